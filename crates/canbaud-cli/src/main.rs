@@ -1,0 +1,2 @@
+//! The `canbaud` command.
+fn main() {}
