@@ -36,7 +36,8 @@ fn is_settled(reading: &Reading) -> bool {
     }
 }
 
-fn placements(activity: Activity<'_>, rates: &Rates) -> [Placement; 6] {
+/// The ways to place the grid on `activity`, the cheapest first.
+pub(crate) fn placements(activity: Activity<'_>, rates: &Rates) -> [Placement; 6] {
     let (best, _) = first_edge_error(activity.runs, rates.nominal);
     let grid = |sof_error_q20| Placement { pace: Pace::Grid, sof_error_q20 };
     [

@@ -7,17 +7,17 @@
 //! [`Item`]. All of it behind [`Decoder`].
 
 mod activity;
-mod attempts;
+pub(crate) mod attempts;
 mod bits;
-mod clock;
+pub(crate) mod clock;
 mod crc;
 mod decoder;
 mod encode;
 mod frame;
 mod item;
 mod line;
-mod phase;
-mod reader;
+pub(crate) mod phase;
+pub(crate) mod reader;
 mod sums;
 mod sync;
 

@@ -15,6 +15,7 @@ impl Reader<'_> {
         self.crc_run = self.next - 1;
         self.nominal_bits = self.bits;
         let crc = self.plain.bits(crc_at, 15);
+        self.crc_compared = true;
         self.crc_right = crc == self.classic_crc(crc_at);
         // Five equal bits at the end of the CRC sequence: a stuff bit comes before the delimiter.
         let mut extra = end.extra;

@@ -42,6 +42,7 @@ impl Reader<'_> {
         let mut expected = Crc::new(kind);
         push_bits(&mut expected, &self.raw, covered);
         expected.push_bits(field.bits(0, count_bits), count_bits);
+        self.crc_compared = true;
         self.crc_right = crc == expected.value()
             && (count_bits == 0 || field.bits(0, 4) == stuff_count(self.stuff_bits));
         let tail = self.fd_tail(end)?;

@@ -68,6 +68,9 @@ pub(crate) struct Placement {
 impl Placement {
     /// The first thing to try: every edge to dominant is a new origin.
     pub(crate) const ANCHORED: Self = Self { pace: Pace::Anchored, sof_error_q20: 0 };
+    /// What to try where many other things are tried, too.
+    pub(crate) const FEW: [Self; 2] =
+        [Self::ANCHORED, Self { pace: Pace::Gentle, sof_error_q20: 0 }];
 }
 
 /// Why the stretch is no frame that a controller accepts.
@@ -99,7 +102,9 @@ pub(crate) struct Reading {
     pub(crate) id: Option<Id>,
     /// Whether FDF says that it is a CAN FD frame.
     pub(crate) is_fd: bool,
-    /// Whether the CRC was compared and right, also when the frame failed behind it.
+    /// Whether reading got as far as the CRC.
+    pub(crate) crc_compared: bool,
+    /// Whether the CRC was right, also when the frame failed behind it.
     pub(crate) crc_right: bool,
     /// Edges of the nominal bit time up to the end of the CRC or the BRS bit.
     pub(crate) nominal: PhaseSums,
@@ -126,6 +131,7 @@ pub(crate) fn read(activity: Activity<'_>, rates: &Rates, placement: Placement) 
         outcome,
         id: reader.id(),
         is_fd: reader.is_fd,
+        crc_compared: reader.crc_compared,
         crc_right: reader.crc_right,
         nominal: reader.nominal,
         data: reader.data,
@@ -166,6 +172,7 @@ struct Reader<'a> {
     brs_run: Option<usize>,
     crc_run: usize,
     is_fd: bool,
+    crc_compared: bool,
     crc_right: bool,
 }
 
@@ -209,6 +216,7 @@ impl<'a> Reader<'a> {
             brs_run: None,
             crc_run: 0,
             is_fd: false,
+            crc_compared: false,
             crc_right: false,
         };
         reader.nominal.falling.push(0, 0);
