@@ -52,8 +52,8 @@ def around(rate, rates, tolerance_ppm):
 
 def found(rates, data="none", tolerance_ppm=8000):
     """data: "none" (classic), "never_switched", or "switched"."""
-    expect = {"verdict": "found", "nominal_millibits_per_second": around(rates.nominal, rates, tolerance_ppm)}
-    expect["data"] = data
+    nominal = around(rates.nominal, rates, tolerance_ppm)
+    expect = {"verdict": "found", "nominal_millibits_per_second": nominal, "data": data}
     if data == "switched":
         expect["data_millibits_per_second"] = around(rates.data, rates, tolerance_ppm)
     return expect
