@@ -5,7 +5,7 @@ use super::interval::interval;
 use super::measure::{Measurement, pool};
 use super::prove::{Proof, prove, prove_at};
 use super::segment::{Candidate, Segmenter};
-use crate::detect::{BitTime, DataPhase, Found, Need, Verdict};
+use crate::detect::{DataPhase, Found, Need, Verdict};
 use crate::wire::clock::{BIT_Q20, BitClock};
 use crate::wire::reader::{Activity, Rates, Reading};
 use crate::wire::{BusTiming, DataTiming, FdCrc, Frame, Logic, Polarity};
