@@ -1,2 +1,23 @@
 //! Reads logic analyser and oscilloscope captures as streams of edges, in bounded memory.
 #![forbid(unsafe_code)]
+
+mod analogue;
+mod capture;
+mod error;
+mod format;
+mod ini;
+mod input;
+mod number;
+mod open;
+mod packed;
+mod sink;
+mod sniff;
+mod sr;
+mod zip;
+
+pub use analogue::{Levels, Threshold};
+pub use capture::{Capture, Channel, ChannelKind, ChannelSummary, OpenOptions, Signal, Summary};
+pub use error::{CaptureError, Place};
+pub use format::{Format, UnknownFormat, WordSize};
+pub use open::{from_reader, open};
+pub use sink::EdgeSink;
