@@ -3,10 +3,13 @@
 
 mod analogue;
 mod capture;
+mod csv;
 mod error;
 mod format;
+mod grid;
 mod ini;
 mod input;
+mod lines;
 mod number;
 mod open;
 mod packed;

@@ -3,8 +3,8 @@
 use crate::Format;
 use crate::error::CaptureError;
 use crate::input::Input;
-use crate::sr;
 use crate::zip::{self, Archive};
+use crate::{csv, sr};
 
 /// Bytes of the head that are looked at.
 const HEAD: usize = 64 * 1024;
@@ -14,7 +14,10 @@ pub(crate) fn sniff(input: &Input) -> Result<Format, CaptureError> {
     if head.starts_with(&zip::LOCAL) {
         return sniff_zip(input);
     }
-    Err(CaptureError::Unrecognised(describe(&head)))
+    match csv::sniff(input)? {
+        Some(header) => Ok(header.format),
+        None => Err(CaptureError::Unrecognised(describe(&head))),
+    }
 }
 
 fn sniff_zip(input: &Input) -> Result<Format, CaptureError> {
