@@ -16,6 +16,7 @@ mod packed;
 mod sink;
 mod sniff;
 mod sr;
+mod vcd;
 mod zip;
 
 pub use analogue::{Levels, Threshold};

@@ -8,7 +8,7 @@ use crate::Format;
 use crate::capture::{Capture, OpenOptions};
 use crate::error::CaptureError;
 use crate::input::Input;
-use crate::{csv, sniff, sr};
+use crate::{csv, sniff, sr, vcd};
 
 /// Opens a capture file; the format is found from the content, never from the name.
 ///
@@ -47,6 +47,7 @@ pub fn from_reader<R: Read + Seek + Send + 'static>(
         Format::SigrokCsv | Format::SaleaeCsv | Format::ScopeCsv => {
             csv::open(&input, options.format, options)
         }
+        Format::Vcd => vcd::open(&input, options),
         _ => Err(CaptureError::unsupported(format, "not read")),
     }
 }

@@ -14,6 +14,9 @@ pub(crate) fn sniff(input: &Input) -> Result<Format, CaptureError> {
     if head.starts_with(&zip::LOCAL) {
         return sniff_zip(input);
     }
+    if head.trim_ascii_start().starts_with(b"$") {
+        return Ok(Format::Vcd);
+    }
     match csv::sniff(input)? {
         Some(header) => Ok(header.format),
         None => Err(CaptureError::Unrecognised(describe(&head))),

@@ -37,6 +37,8 @@ fn digital_fixtures_have_the_edges_of_the_session_they_were_made_from() {
     compare(&f("sigrok.csv"), "CAN_L", FD, 1e-12, 0.0);
     compare(&f("sigrok_dedup.csv"), "CAN_L", FD, 1e-12, 0.0);
     compare(&f("saleae.csv"), "Channel 0", FD, 1e-12, 0.0);
+    compare(&f("sigrok.vcd"), "CAN_L", FD, 1e-12, 0.0);
+    compare("fixtures/mcp25.sigrok.vcd", "CAN_RX", MCP, 1e-12, 0.0);
     compare("fixtures/mcp25.sigrok_dedup.csv", "CAN_RX", MCP, 1e-12, 0.0);
 }
 
