@@ -4,6 +4,7 @@
 mod analogue;
 mod capture;
 mod csv;
+mod dsview;
 mod error;
 mod format;
 mod grid;
@@ -13,6 +14,7 @@ mod lines;
 mod number;
 mod open;
 mod packed;
+mod saleae;
 mod sink;
 mod sniff;
 mod sr;

@@ -2,6 +2,7 @@
 
 mod common;
 
+use canbaud::units::Hertz;
 use canbaud_capture::{Capture, OpenOptions, open};
 use common::{Kept, shared};
 
@@ -20,7 +21,10 @@ fn seconds(capture: &mut Capture, name: &str) -> Vec<f64> {
 fn compare(file: &str, name: &str, reference: (&str, &str), tolerance: f64, shift: f64) {
     let (Some(path), Some(truth)) = (shared(file), shared(reference.0)) else { return };
     let truth = seconds(&mut open(&truth, &OpenOptions::default()).unwrap(), reference.1);
-    let edges = seconds(&mut open(&path, &OpenOptions::default()).unwrap(), name);
+    // Only Logic 1 exports need the rate; the others must find it.
+    let samplerate = if file.contains("logic1") { Hertz::new(100_000_000) } else { None };
+    let options = OpenOptions { samplerate, ..OpenOptions::default() };
+    let edges = seconds(&mut open(&path, &options).unwrap(), name);
     assert_eq!(edges.len(), truth.len(), "{file}");
     for (edge, truth) in edges.iter().zip(&truth) {
         assert!((edge - truth - shift).abs() <= tolerance, "{file}: {edge} for {truth}");
@@ -38,6 +42,9 @@ fn digital_fixtures_have_the_edges_of_the_session_they_were_made_from() {
     compare(&f("sigrok_dedup.csv"), "CAN_L", FD, 1e-12, 0.0);
     compare(&f("saleae.csv"), "Channel 0", FD, 1e-12, 0.0);
     compare(&f("sigrok.vcd"), "CAN_L", FD, 1e-12, 0.0);
+    compare(&f("saleae_v0.bin"), "D0", FD, 1e-12, 0.0);
+    compare(&f("saleae_v1.bin"), "D0", FD, 1e-12, 0.0);
+    compare(&f("logic1_changes.bin"), "Channel 0", FD, 1e-12, 0.0);
     compare("fixtures/mcp25.sigrok.vcd", "CAN_RX", MCP, 1e-12, 0.0);
     compare("fixtures/mcp25.sigrok_dedup.csv", "CAN_RX", MCP, 1e-12, 0.0);
 }
@@ -45,6 +52,9 @@ fn digital_fixtures_have_the_edges_of_the_session_they_were_made_from() {
 #[test]
 fn scope_fixtures_have_the_edges_of_the_recording() {
     // The fixtures keep every tenth sample and three digits of the voltage.
+    let canh = ("recorded/scopehal_can_wfm5.sr", "CANH");
+    compare("fixtures/wfm5_canh_saleae_v0_analog.bin", "A0", canh, 20e-9, 0.0);
+    compare("fixtures/wfm5_canh_saleae_v1_analog.bin", "A0", canh, 20e-9, 0.0);
     for (file, names) in [
         ("wfm5_rigol_1000z.csv", "CH1-CH2"),
         ("wfm5_rigol_5000_memory.csv", "CH1-CH2"),
