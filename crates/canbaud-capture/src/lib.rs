@@ -3,16 +3,22 @@
 
 mod analogue;
 mod capture;
+mod csv;
+mod dsview;
 mod error;
 mod format;
+mod grid;
 mod ini;
 mod input;
+mod lines;
 mod number;
 mod open;
 mod packed;
+mod saleae;
 mod sink;
 mod sniff;
 mod sr;
+mod vcd;
 mod zip;
 
 pub use analogue::{Levels, Threshold};

@@ -88,6 +88,21 @@ impl Decimal {
             (false, Some(factor)) => Some((value + value.signum() * (factor / 2)) / factor),
         }
     }
+
+    /// The nearest float, to a part in 10^15.
+    pub(crate) fn to_f64(self) -> f64 {
+        let value = self.mantissa as f64;
+        if value == 0.0 || self.exponent == 0 {
+            return value;
+        }
+        // Beyond these powers an f64 is zero or infinite anyway.
+        let power = self.exponent.clamp(-400, 400);
+        match power {
+            0..=22 => value * 10_f64.powi(power),
+            -22..0 => value / 10_f64.powi(-power),
+            _ => value * 10_f64.powi(power),
+        }
+    }
 }
 
 /// The timebase whose tick is `period / divisor` seconds, and the rate `1 / period` rounded to

@@ -8,7 +8,7 @@ use crate::Format;
 use crate::capture::{Capture, OpenOptions};
 use crate::error::CaptureError;
 use crate::input::Input;
-use crate::{sniff, sr};
+use crate::{csv, dsview, saleae, sniff, sr, vcd};
 
 /// Opens a capture file; the format is found from the content, never from the name.
 ///
@@ -44,6 +44,15 @@ pub fn from_reader<R: Read + Seek + Send + 'static>(
     };
     match format {
         Format::SigrokSr => sr::open(&input, options),
+        Format::SigrokCsv | Format::SaleaeCsv | Format::ScopeCsv => {
+            csv::open(&input, options.format, options)
+        }
+        Format::Vcd => vcd::open(&input, options),
+        Format::SaleaeBinary => saleae::binary::open(&input, options),
+        Format::Logic1Samples(_) | Format::Logic1Changes(_) => {
+            saleae::logic1::open(&input, format, options)
+        }
+        Format::DsView => dsview::open(&input, options),
         _ => Err(CaptureError::unsupported(format, "not read")),
     }
 }

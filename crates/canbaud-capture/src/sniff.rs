@@ -3,8 +3,8 @@
 use crate::Format;
 use crate::error::CaptureError;
 use crate::input::Input;
-use crate::sr;
 use crate::zip::{self, Archive};
+use crate::{csv, dsview, saleae, sr};
 
 /// Bytes of the head that are looked at.
 const HEAD: usize = 64 * 1024;
@@ -14,7 +14,19 @@ pub(crate) fn sniff(input: &Input) -> Result<Format, CaptureError> {
     if head.starts_with(&zip::LOCAL) {
         return sniff_zip(input);
     }
-    Err(CaptureError::Unrecognised(describe(&head)))
+    if head.starts_with(&saleae::binary::MAGIC) {
+        return Ok(Format::SaleaeBinary);
+    }
+    if let Some(word) = saleae::logic1::sniff_changes(&head, input.len()) {
+        return Ok(Format::Logic1Changes(word));
+    }
+    if head.trim_ascii_start().starts_with(b"$") {
+        return Ok(Format::Vcd);
+    }
+    match csv::sniff(input)? {
+        Some(header) => Ok(header.format),
+        None => Err(CaptureError::Unrecognised(describe(&head))),
+    }
 }
 
 fn sniff_zip(input: &Input) -> Result<Format, CaptureError> {
@@ -23,6 +35,9 @@ fn sniff_zip(input: &Input) -> Result<Format, CaptureError> {
     let names: Vec<&str> = archive.entries.iter().map(|e| &*e.name).collect();
     if sr::is_sr(&names) {
         return Ok(Format::SigrokSr);
+    }
+    if dsview::is_dsview(&names) {
+        return Ok(Format::DsView);
     }
     Err(CaptureError::Unrecognised("a zip archive without the members of a capture".into()))
 }

@@ -31,6 +31,9 @@ const HYSTERESIS: f64 = 0.15;
 /// A level that a spike makes can hide the one below it; so many are looked at.
 const MAX_CANDIDATES: usize = 4;
 
+/// The shortest frame has about as many edges.
+const MIN_CROSSINGS: u64 = 12;
+
 struct Class {
     count: f64,
     mean: f64,
@@ -140,13 +143,20 @@ impl Chooser {
         }
     }
 
-    /// The widest swing among those that the signal makes often: a spike is rare, ringing small.
+    /// The widest swing that is the bus.
+    ///
+    /// A spike or the supply coming up is wide but rare. What is much more frequent is only
+    /// believed if it is not much smaller: the last bit of the converter flickers all the time.
     pub(crate) fn choice(&self) -> Option<Levels> {
-        let most = self.counters.iter().map(|c| c.crossings).max()?;
-        self.counters
-            .iter()
-            .filter(|c| c.crossings >= most / 4)
-            .map(|c| c.levels)
-            .max_by(|a, b| (a.high - a.low).total_cmp(&(b.high - b.low)))
+        let swing = |c: &Counter| c.levels.high - c.levels.low;
+        let is_bus = |c: &&Counter| {
+            c.crossings >= MIN_CROSSINGS
+                && !self.counters.iter().any(|other| {
+                    other.crossings / 4 >= c.crossings && swing(other) >= swing(c) / 16.0
+                })
+        };
+        let widest = |a: &&Counter, b: &&Counter| swing(a).total_cmp(&swing(b));
+        let bus = self.counters.iter().filter(is_bus).max_by(widest);
+        bus.or_else(|| self.counters.iter().max_by(widest)).map(|c| c.levels)
     }
 }
