@@ -15,7 +15,7 @@ const EXAMPLES: &str = "\
 Examples:
   canbaud detect bus.sr                     which bit rate, and how sure
   canbaud detect --json *.vcd               one JSON object a line per source and channel
-  canbaud decode bus.sr | log2asc can0      every frame as candump log lines
+  canbaud decode bus.sr | grep ' can0 123#' every frame as candump log lines
   canbaud decode bus.sr --format pcapng -o bus.pcapng
 
 Exit codes:
@@ -24,9 +24,45 @@ Exit codes:
   3  undecided, or two rates in conflict
   With several sources: 5 before 3 before 4 before 0.";
 
-const FORMATS: &str = "\
-Formats (found from the content): sigrok .sr, VCD, Saleae Logic 2 CSV and binary, Saleae Logic 1
-binary and .logicdata, DSView, sigrok CSV, oscilloscope CSV, Tektronix .isf.";
+/// Behind the help of both commands; the names are those of [`Format`].
+macro_rules! formats {
+    () => {
+        "\
+Formats, found from the content (and their names for --input-format):
+  sigrok .sr (sr)            Saleae Logic 2 CSV, binary (saleae-csv, saleae-bin)
+  VCD (vcd)                  Saleae Logic 1 .logicdata (logicdata)
+  DSView .dsl .demo (dsl)    Saleae Logic 1 binary (logic1-8, -16, -32, -64: a word per sample;
+  sigrok CSV (sigrok-csv)      logic1-changes-8, -16, -32, -64: per change)
+  Tektronix .isf (isf)       oscilloscope CSV of any maker (scope-csv)"
+    };
+}
+
+const DETECT_HELP: &str = concat!(
+    "\
+Examples:
+  canbaud detect bus.sr
+  canbaud detect --expected 500k bus.sr     how far the clocks are off
+  canbaud detect -q captures/*              one line per file
+  canbaud detect --json bus.sr              described by schemas/detect.schema.json
+
+",
+    formats!()
+);
+
+const DECODE_HELP: &str = concat!(
+    "\
+Examples:
+  canbaud decode bus.sr > bus.log           then: canplayer -I bus.log vcan0=can0
+  canbaud decode --json bus.sr              described by schemas/decode.schema.json
+  canbaud decode -f pcapng -o bus.pcapng bus.sr
+  canbaud decode --bitrate 500k --data-bitrate 2M bus.sr
+  canbaud decode --start $(stat -c %Y bus.sr) bus.sr | log2asc can0
+
+Times are those of the edge of SOF, from the start of the capture.
+
+",
+    formats!()
+);
 
 /// Everything the user said.
 #[derive(Debug, Parser)]
@@ -36,8 +72,9 @@ pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
 
-    /// Colours in the output; `auto`: on a terminal, unless NO_COLOR is set
+    /// Colours: auto (on a terminal, unless NO_COLOR is set), always, never
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    #[arg(hide_possible_values = true, hide_default_value = true)]
     pub(crate) color: When,
 }
 
@@ -45,10 +82,10 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Find the bit rate and tell what is on the bus
-    #[command(after_help = FORMATS)]
+    #[command(after_help = DETECT_HELP)]
     Detect(DetectArgs),
     /// Print every frame; the rate is detected unless given
-    #[command(after_help = FORMATS)]
+    #[command(after_help = DECODE_HELP)]
     Decode(DecodeArgs),
 }
 
@@ -67,9 +104,6 @@ pub(crate) struct DetectArgs {
     #[arg(required = true, value_name = "SOURCE")]
     pub(crate) sources: Vec<PathBuf>,
 
-    #[command(flatten)]
-    pub(crate) reading: ReadingArgs,
-
     /// Print one JSON object a line per source and channel, the channel with the bus first
     #[arg(long)]
     pub(crate) json: bool,
@@ -85,6 +119,10 @@ pub(crate) struct DetectArgs {
     /// Files worked on at once [default: one per processor core]
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
+
+    // Last: its heading holds for everything that follows.
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
 }
 
 /// `canbaud decode`.
@@ -94,11 +132,14 @@ pub(crate) struct DecodeArgs {
     #[arg(value_name = "SOURCE")]
     pub(crate) source: PathBuf,
 
-    #[command(flatten)]
-    pub(crate) reading: ReadingArgs,
-
-    /// Form of the output
-    #[arg(short, long, value_name = "FORM", default_value = "candump")]
+    /// candump (for can-utils and python-can), json (an object a line) or pcapng (for Wireshark)
+    #[arg(
+        short,
+        long,
+        value_name = "FORM",
+        default_value = "candump",
+        hide_possible_values = true
+    )]
     pub(crate) format: FrameFormat,
 
     /// The same as --format json
@@ -109,24 +150,30 @@ pub(crate) struct DecodeArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
 
-    /// candump lines tell DLC 9 to 15 of classic frames as `_9` to `_F`, as candump -8 does
-    /// (python-can does not read that)
+    /// Tell DLC 9 to 15 of classic frames in candump lines as candump -8 does (_9 to _F); python-can
+    /// does not read them
     #[arg(short = '8', long)]
     pub(crate) raw_dlc: bool,
+
+    /// Time of the start of the capture, in s since 1970; log2asc wants at least 1
+    #[arg(long, value_name = "SECONDS", default_value_t = 0,
+          value_parser = clap::value_parser!(u64).range(..=9_999_999_999))]
+    pub(crate) start: u64,
 
     /// No summary on the standard error
     #[arg(short, long)]
     pub(crate) quiet: bool,
+
+    // Last: its heading holds for everything that follows.
+    #[command(flatten)]
+    pub(crate) reading: ReadingArgs,
 }
 
 /// The form of decoded frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FrameFormat {
-    /// Log lines of candump, for can-utils and python-can
     Candump,
-    /// One JSON object a line
     Json,
-    /// For Wireshark
     Pcapng,
 }
 
@@ -134,7 +181,7 @@ pub(crate) enum FrameFormat {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Instead of finding it")]
 pub(crate) struct ReadingArgs {
-    /// Format of the file: sr, vcd, saleae-csv, scope-csv, … (an unknown name lists all)
+    /// Format of the file, by a name from below
     #[arg(long, value_name = "FORMAT")]
     pub(crate) input_format: Option<Format>,
 
@@ -155,7 +202,7 @@ pub(crate) struct ReadingArgs {
     pub(crate) data_bitrate: Option<Bitrate>,
 
     /// normal: high is recessive (RXD, CAN_L); inverted: high is dominant (CAN_H)
-    #[arg(long, value_name = "POLARITY")]
+    #[arg(long, value_name = "POLARITY", hide_possible_values = true)]
     pub(crate) polarity: Option<PolarityArg>,
 
     /// The same as --polarity inverted
@@ -236,6 +283,21 @@ mod tests {
     #[test]
     fn the_definition_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn help_lists_every_format() {
+        for format in Format::ALL {
+            let name = format.name();
+            // The widths of the Logic 1 formats are listed behind the first.
+            let known = match name.rsplit_once('-') {
+                Some((stem, width)) if stem.starts_with("logic1") => {
+                    DETECT_HELP.contains(stem) && DETECT_HELP.contains(&format!("-{width}"))
+                }
+                _ => DETECT_HELP.contains(name),
+            };
+            assert!(known, "{name}");
+        }
     }
 
     #[test]

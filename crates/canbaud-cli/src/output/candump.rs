@@ -2,13 +2,12 @@
 
 use std::io::{self, Write};
 
-use canbaud::units::Timebase;
 use canbaud::wire::{Frame, Item};
 
 use super::ItemWriter;
 use super::digits::{Case, push_bytes, push_decimal, push_hex};
 use super::socketcan::Message;
-use super::stamp::Stamp;
+use super::stamp::{Clock, Stamp};
 
 /// Whether DLC 9 to 15 of a classic frame are told with the suffix `_9` to `_F`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,9 +27,9 @@ pub(crate) struct Candump<W> {
 }
 
 impl<W: Write> Candump<W> {
-    /// Time counts from the start of the capture; `timebase` is the one of the items.
-    pub(crate) fn new(out: W, timebase: Timebase, raw_dlc: RawDlc) -> Self {
-        Self { out, stamp: Stamp::micros(timebase), raw_dlc, line: Vec::with_capacity(192) }
+    /// A writer for items whose ticks `clock` tells.
+    pub(crate) fn new(out: W, clock: Clock, raw_dlc: RawDlc) -> Self {
+        Self { out, stamp: Stamp::micros(clock), raw_dlc, line: Vec::with_capacity(192) }
     }
 
     fn push_id(&mut self, frame: &Frame) {

@@ -2,12 +2,11 @@
 
 use std::io::{self, Write};
 
-use canbaud::units::Timebase;
 use canbaud::wire::{BusError, ErrorKind, Field, Frame, FrameKind, Id, Item, ItemKind, Received};
 
 use super::ItemWriter;
 use super::digits::{Case, push_bytes, push_decimal, push_number};
-use super::stamp::Stamp;
+use super::stamp::{Clock, Stamp};
 
 /// Writes one object a line. Every object has the same keys; what an item lacks is `null`.
 pub(crate) struct FramesJson<W> {
@@ -17,9 +16,9 @@ pub(crate) struct FramesJson<W> {
 }
 
 impl<W: Write> FramesJson<W> {
-    /// Time counts from the start of the capture; `timebase` is the one of the items.
-    pub(crate) fn new(out: W, timebase: Timebase) -> Self {
-        Self { out, stamp: Stamp::nanos(timebase), line: Vec::with_capacity(384) }
+    /// A writer for items whose ticks `clock` tells.
+    pub(crate) fn new(out: W, clock: Clock) -> Self {
+        Self { out, stamp: Stamp::nanos(clock), line: Vec::with_capacity(384) }
     }
 
     fn push_time(&mut self, ticks: u64) {

@@ -5,8 +5,10 @@ use canbaud::wire::{
     BusError, ErrorKind, FdCrc, Field, Frame, FrameKind, Id, Item, ItemKind, Received,
 };
 
-pub(super) fn microseconds() -> Timebase {
-    Timebase::from_frequency(Hertz::new(1_000_000).unwrap())
+use super::stamp::Clock;
+
+pub(super) fn microseconds() -> Clock {
+    Clock { timebase: Timebase::from_frequency(Hertz::new(1_000_000).unwrap()), start_s: 0 }
 }
 
 pub(super) const BASE: Id = Id::Base(0x123);

@@ -24,6 +24,7 @@ pub(crate) use frames_json::FramesJson;
 pub(crate) use paint::Paint;
 pub(crate) use pcapng::Pcapng;
 pub(crate) use report_json::{push_report, push_unreadable};
+pub(crate) use stamp::Clock;
 pub(crate) use text::{Detail, headline, render};
 
 /// Writes the items of a decoded bus, one after the other.

@@ -4,12 +4,11 @@
 
 use std::io::{self, Write};
 
-use canbaud::units::Timebase;
 use canbaud::wire::{Frame, Item};
 
 use super::ItemWriter;
 use super::socketcan::{EFF_FLAG, Message, RTR_FLAG};
-use super::stamp::Stamp;
+use super::stamp::{Clock, Stamp};
 
 const SECTION_HEADER: u32 = 0x0A0D_0D0A;
 const BYTE_ORDER_MAGIC: u32 = 0x1A2B_3C4D;
@@ -26,7 +25,7 @@ const IF_TSRESOL: u16 = 9;
 const CLASSIC: usize = 16;
 const FD: usize = 72;
 
-/// Writes one section with one interface, time in nanoseconds from the start of the capture.
+/// Writes one section with one interface, time in nanoseconds.
 pub(crate) struct Pcapng<W> {
     out: W,
     stamp: Stamp,
@@ -34,14 +33,14 @@ pub(crate) struct Pcapng<W> {
 }
 
 impl<W: Write> Pcapng<W> {
-    /// Writes the headers.
-    pub(crate) fn new(mut out: W, timebase: Timebase) -> io::Result<Self> {
+    /// Writes the headers; `clock` tells the ticks of the items.
+    pub(crate) fn new(mut out: W, clock: Clock) -> io::Result<Self> {
         let mut block = Vec::with_capacity(128);
         push_section(&mut block);
         out.write_all(&block)?;
         push_interface(&mut block);
         out.write_all(&block)?;
-        Ok(Self { out, stamp: Stamp::nanos(timebase), block })
+        Ok(Self { out, stamp: Stamp::nanos(clock), block })
     }
 }
 

@@ -5,14 +5,13 @@ use std::io::{self, BufWriter, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use canbaud::units::Timebase;
 use canbaud_capture::{Capture, open};
 
 use super::failure::{source_name, unreadable, unwritable};
 use crate::args::{DecodeArgs, FrameFormat};
 use crate::exit::Exit;
 use crate::judge;
-use crate::output::{Candump, FramesJson, ItemWriter, Pcapng, RawDlc, headline};
+use crate::output::{Candump, Clock, FramesJson, ItemWriter, Pcapng, RawDlc, headline};
 use crate::printable::printable;
 use crate::report::{ChannelReport, Outcome};
 
@@ -34,7 +33,8 @@ pub(crate) fn decode(args: &DecodeArgs) -> Exit {
         }
     };
     let target = args.output.as_deref().map_or_else(|| "standard output".to_owned(), source_name);
-    let mut writer = match writer(args, capture.timebase()) {
+    let mut writer = match writer(args, Clock { timebase: capture.timebase(), start_s: args.start })
+    {
         Ok(writer) => writer,
         Err(error) => return unwritable(&target, &error),
     };
@@ -96,7 +96,7 @@ const fn form(args: &DecodeArgs) -> FrameFormat {
     if args.json { FrameFormat::Json } else { args.format }
 }
 
-fn writer(args: &DecodeArgs, timebase: Timebase) -> io::Result<Box<dyn ItemWriter>> {
+fn writer(args: &DecodeArgs, clock: Clock) -> io::Result<Box<dyn ItemWriter>> {
     let out: Box<dyn Write> = match &args.output {
         Some(path) => Box::new(File::create(path)?),
         None => Box::new(io::stdout().lock()),
@@ -104,9 +104,9 @@ fn writer(args: &DecodeArgs, timebase: Timebase) -> io::Result<Box<dyn ItemWrite
     let out = BufWriter::with_capacity(BUFFER, out);
     let raw_dlc = if args.raw_dlc { RawDlc::Shown } else { RawDlc::Hidden };
     Ok(match form(args) {
-        FrameFormat::Candump => Box::new(Candump::new(out, timebase, raw_dlc)),
-        FrameFormat::Json => Box::new(FramesJson::new(out, timebase)),
-        FrameFormat::Pcapng => Box::new(Pcapng::new(out, timebase)?),
+        FrameFormat::Candump => Box::new(Candump::new(out, clock, raw_dlc)),
+        FrameFormat::Json => Box::new(FramesJson::new(out, clock)),
+        FrameFormat::Pcapng => Box::new(Pcapng::new(out, clock)?),
     })
 }
 

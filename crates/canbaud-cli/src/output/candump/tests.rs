@@ -7,9 +7,9 @@ use canbaud::wire::{ErrorKind, Field, FrameKind, Id, Item, ItemKind};
 use super::*;
 use crate::output::items::{BASE, EXTENDED, error, everything, fd, frame, microseconds, overload};
 
-fn text(items: &[Item], timebase: Timebase, raw_dlc: RawDlc) -> String {
+fn text(items: &[Item], clock: Clock, raw_dlc: RawDlc) -> String {
     let mut out = Vec::new();
-    let mut writer = Candump::new(&mut out, timebase, raw_dlc);
+    let mut writer = Candump::new(&mut out, clock, raw_dlc);
     for item in items {
         writer.write(item).unwrap();
     }
@@ -89,7 +89,8 @@ fn errors_carry_their_class_violation_and_location() {
 
 #[test]
 fn time_is_rounded_to_the_microsecond() {
-    let timer = Timebase::from_frequency(Hertz::new(3_000_000).unwrap());
+    let timebase = Timebase::from_frequency(Hertz::new(3_000_000).unwrap());
+    let timer = Clock { timebase, start_s: 0 };
     let item = frame(5, BASE, FrameKind::Data, 0, &[]);
     assert!(text(&[item], timer, RawDlc::Hidden).starts_with("(0000000000.000002) "));
 }
