@@ -56,6 +56,8 @@ pub enum ErrorKind {
     Form,
     /// The CRC is right, nobody acknowledged, and the sender's error flag follows.
     Acknowledge,
+    /// A CAN FD frame switches to a data bit rate that is not known.
+    DataRateUnknown,
     /// The recording begins or ends inside the frame.
     Truncated,
     /// Dominant levels that are no frame: a wake-up pulse, a disturbance, a stuck line.
@@ -69,6 +71,7 @@ impl fmt::Display for ErrorKind {
             Self::Crc => "CRC error",
             Self::Form => "form error",
             Self::Acknowledge => "acknowledge error",
+            Self::DataRateUnknown => "data bit rate unknown",
             Self::Truncated => "truncated",
             Self::Disturbance => "disturbance",
         })
