@@ -94,10 +94,8 @@ fn any_frame() -> impl Strategy<Value = Frame> {
         Just(FrameKind::Remote),
         (any::<bool>(), any::<bool>()).prop_map(|(brs, esi)| FrameKind::Fd { brs, esi }),
     ];
-    let data = prop_oneof![
-        prop::array::uniform32(any::<u8>()),
-        any::<u8>().prop_map(|byte| [byte; 32]),
-    ];
+    let data =
+        prop_oneof![prop::array::uniform32(any::<u8>()), any::<u8>().prop_map(|byte| [byte; 32]),];
     (id, kind, 0..16_u8, data).prop_map(|(id, kind, dlc, half)| {
         let data: Vec<u8> = half.iter().chain(&half).copied().collect();
         let length = Frame::data_length(kind, dlc);

@@ -182,7 +182,8 @@ impl<const N: usize> Decoder<N> {
                 let item = Item { start, end, kind: ItemKind::Frame(received) };
                 listener.item(&Decoded { item, nominal: reading.nominal, data: reading.data });
                 if overload {
-                    let item = Item { start: end, end: self.activity.end(), kind: ItemKind::Overload };
+                    let item =
+                        Item { start: end, end: self.activity.end(), kind: ItemKind::Overload };
                     listener.item(&plain(item));
                 }
                 return;

@@ -62,7 +62,8 @@ pub(crate) fn first_edge_error(runs: &[u32], clock: BitClock) -> (i32, Arc) {
         mask |= 1_u64 << bucket(position);
     }
     let arc = smallest_arc(mask);
-    let error = if arc.middle_q20 >= BIT_Q20 / 2 { BIT_Q20 - arc.middle_q20 } else { -arc.middle_q20 };
+    let error =
+        if arc.middle_q20 >= BIT_Q20 / 2 { BIT_Q20 - arc.middle_q20 } else { -arc.middle_q20 };
     (error, arc)
 }
 

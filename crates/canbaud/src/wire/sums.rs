@@ -76,8 +76,7 @@ impl PhaseSums {
                 (t - i128::from(ticks_q20) * i128::from(s.m)) / i128::from(s.n)
             };
             let difference = (late(&self.rising) - late(&self.falling)) >> 12;
-            fit.asymmetry_q8 =
-                difference.clamp(i128::from(i32::MIN), i128::from(i32::MAX)) as i32;
+            fit.asymmetry_q8 = difference.clamp(i128::from(i32::MIN), i128::from(i32::MAX)) as i32;
         }
         fit
     }

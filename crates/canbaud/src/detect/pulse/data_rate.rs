@@ -4,8 +4,8 @@
 //! the CRC delimiter. The edges in between lie on a grid of their own, anchored at the first edge
 //! to dominant behind BRS; how many bits the recessive run with BRS holds is tried out.
 
-use super::comb;
 use super::coarse;
+use super::comb;
 use super::prove::{Proof, Proposals};
 use crate::wire::clock::BitClock;
 use crate::wire::reader::{Activity, DataRate, Outcome, Placement, Rates, read};

@@ -301,10 +301,9 @@ fn crc_bits(proof: &Proof) -> u32 {
 fn hash(frame: &Frame) -> u32 {
     let id = frame.id().raw().to_le_bytes();
     let head = id.iter().chain(core::iter::once(&0)).copied();
-    head.chain(core::iter::once(frame.dlc())).chain(frame.data().iter().copied()).fold(
-        0x811C_9DC5,
-        |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193),
-    )
+    head.chain(core::iter::once(frame.dlc()))
+        .chain(frame.data().iter().copied())
+        .fold(0x811C_9DC5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
 }
 
 /// Variance of the nominal edges about the bit grid, in ticks^2 times 2^20.
@@ -318,7 +317,8 @@ fn noise_q20(activity: Activity<'_>, reading: &Reading, ticks_q20: u64) -> u64 {
         position += i64::from(clock.bits_q20(run));
         let off = position & i64::from(BIT_Q20 - 1);
         // Deviations around 0 wrap; half a bit is as far as they go. 2^-10 of a bit is enough.
-        let off = (if off >= i64::from(BIT_Q20 / 2) { off - i64::from(BIT_Q20) } else { off }) >> 10;
+        let off =
+            (if off >= i64::from(BIT_Q20 / 2) { off - i64::from(BIT_Q20) } else { off }) >> 10;
         if let Some((sum, squares, count)) = sums.get_mut(polarity) {
             *sum += off;
             *squares += off * off;

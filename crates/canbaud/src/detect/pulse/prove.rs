@@ -62,11 +62,7 @@ pub(super) fn prove(activity: Activity<'_>) -> Option<Proof> {
     first_right(activity, &proposals, &mut compared)
 }
 
-fn first_right(
-    activity: Activity<'_>,
-    proposals: &Proposals,
-    compared: &mut u32,
-) -> Option<Proof> {
+fn first_right(activity: Activity<'_>, proposals: &Proposals, compared: &mut u32) -> Option<Proof> {
     proposals.iter().find_map(|bit_q20| {
         let nominal = BitClock::new(bit_q20)?;
         let rates = Rates { nominal, data: None, fd_crc: FdCrc::Iso, late_ticks_q20: 0 };
@@ -75,11 +71,7 @@ fn first_right(
 }
 
 /// Reads `activity` at `rates` in every placement; finds the data rate if the frame asks for it.
-pub(super) fn prove_at(
-    activity: Activity<'_>,
-    rates: &Rates,
-    compared: &mut u32,
-) -> Option<Proof> {
+pub(super) fn prove_at(activity: Activity<'_>, rates: &Rates, compared: &mut u32) -> Option<Proof> {
     for placement in placements(activity, rates) {
         let reading = read(activity, rates, placement);
         *compared += u32::from(reading.crc_compared);

@@ -151,9 +151,7 @@ impl Reader<'_> {
             (8.., _) | (7, false) => Ok(Tail { ack, overload: false }),
             (7, true) => Ok(Tail { ack, overload: true }),
             (bits, true) => Err(self.tail_failure(position + bits, ack)),
-            (bits, false) => {
-                Err(self.fail(ErrorKind::Truncated, position_field(position + bits)))
-            }
+            (bits, false) => Err(self.fail(ErrorKind::Truncated, position_field(position + bits))),
         }
     }
 
