@@ -76,3 +76,6 @@ pub(crate) struct ChannelReport {
     pub(crate) edges: u64,
     pub(crate) caveats: Vec<Caveat>,
 }
+
+#[cfg(test)]
+pub(crate) mod samples;
