@@ -9,5 +9,6 @@
 extern crate std;
 
 pub mod detect;
+pub mod rates;
 pub mod units;
 pub mod wire;
