@@ -57,5 +57,7 @@ fn describe(head: &[u8]) -> String {
         .flat_map(|&b| core::ascii::escape_default(b))
         .map(char::from)
         .collect();
-    format!("it starts with \"{start}\"")
+    format!(
+        "it starts with \"{start}\"; Logic 1 exports without a header need their format, such as logic1-8"
+    )
 }
