@@ -11,19 +11,19 @@ use canbaud_capture::{Capture, CaptureError, EdgeSink, OpenOptions, Summary, fro
 /// One unbroken recording of one channel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Stretch {
-    pub begin: u64,
-    pub level: Logic,
-    pub edges: Vec<u64>,
-    pub end: Option<u64>,
+    pub(crate) begin: u64,
+    pub(crate) level: Logic,
+    pub(crate) edges: Vec<u64>,
+    pub(crate) end: Option<u64>,
 }
 
 /// Everything that was streamed, by channel.
 #[derive(Debug, Default)]
 pub(crate) struct Kept {
-    pub channels: Vec<Vec<Stretch>>,
-    pub largest_block: usize,
-    pub stop_after: Option<usize>,
-    pub calls: usize,
+    pub(crate) channels: Vec<Vec<Stretch>>,
+    pub(crate) largest_block: usize,
+    pub(crate) stop_after: Option<usize>,
+    pub(crate) calls: usize,
 }
 
 impl Kept {
@@ -33,7 +33,7 @@ impl Kept {
     }
 
     /// All edges of a channel.
-    pub fn edges(&self, channel: usize) -> Vec<u64> {
+    pub(crate) fn edges(&self, channel: usize) -> Vec<u64> {
         self.channels.get(channel).into_iter().flatten().flat_map(|s| s.edges.clone()).collect()
     }
 }
