@@ -153,6 +153,7 @@ impl Reader for Isf {
             channel: 0,
             step: TICKS_PER_SAMPLE,
             threshold: self.options.threshold,
+            progress: (self.at, self.input.len()),
             open: &open,
         };
         job.stream(&mut self.signal, out, report)?;

@@ -200,7 +200,7 @@ fn logicdata() {
     let mut file =
         b"\x7f\x01\x05\x01\x09Data save\x03\0\x12\x7a\0\x01\x10\x01\x01\0\x01\x03CAN\0\0".to_vec();
     file.extend([1, 40, 0, 1, 40, 0, 1, 40]);
-    (0..40_u8).for_each(|n| file.push(n + 1 | n % 2 << 7));
+    (0..40_u8).for_each(|n| file.push((n + 1) | ((n % 2) << 7)));
     file.extend([0; 15]);
     file.extend([1, 2, 0, 1, 2, 0, 1, 2]);
     for (position, start, before) in [(0_u64, 0_u64, u64::MAX), (210, 20, 19)] {
