@@ -1,10 +1,8 @@
 //! The changes of a dump, one after the other.
 
-use std::collections::HashMap;
-
 use canbaud::wire::Logic;
 
-use super::header::{self, Variable};
+use super::header::{self, Variable, Variables};
 use super::tokens::Tokens;
 use crate::error::{CaptureError, Halt};
 use crate::input::Input;
@@ -27,7 +25,7 @@ pub(super) trait Listener {
 /// All changes of a file.
 pub(super) struct Changes<'a> {
     pub(super) input: &'a Input,
-    pub(super) variables: &'a HashMap<Box<[u8]>, Vec<Variable>>,
+    pub(super) variables: &'a Variables,
 }
 
 impl Changes<'_> {
@@ -63,7 +61,7 @@ impl Changes<'_> {
                 }
                 [value @ (b'0' | b'1' | b'x' | b'X' | b'z' | b'Z'), id @ ..] if !id.is_empty() => {
                     let level = logic(*value);
-                    for variable in self.variables.get(id).into_iter().flatten() {
+                    for variable in self.variables.get(id) {
                         if let Variable::Wires { first, width } = *variable {
                             // A scalar sets the last bit of a vector and clears the others.
                             for n in 0..width {
@@ -85,7 +83,7 @@ impl Changes<'_> {
                         return Err(CaptureError::damaged(tokens.place(), reason).into());
                     };
                     let id = tokens.next()?.unwrap_or_default();
-                    for variable in self.variables.get(id).into_iter().flatten() {
+                    for variable in self.variables.get(id) {
                         if let Variable::Real { channel } = *variable {
                             listener.volts(channel, now, volts)?;
                         }
@@ -118,7 +116,7 @@ impl Changes<'_> {
             Some(b'0' | b'1') | None => b'0',
             Some(other) => *other,
         };
-        for variable in self.variables.get(id.unwrap_or_default()).into_iter().flatten() {
+        for variable in self.variables.get(id.unwrap_or_default()) {
             if let Variable::Wires { first, width } = *variable {
                 for n in 0..width {
                     let bit = bits.get(width - 1 - n).copied().unwrap_or(fill);
