@@ -60,17 +60,7 @@ impl Changes<'_> {
                     now = at;
                 }
                 [value @ (b'0' | b'1' | b'x' | b'X' | b'z' | b'Z'), id @ ..] if !id.is_empty() => {
-                    let level = logic(*value);
-                    for variable in self.variables.get(id) {
-                        if let Variable::Wires { first, width } = *variable {
-                            // A scalar sets the last bit of a vector and clears the others.
-                            for n in 0..width {
-                                let last = n + 1 == width;
-                                let level = if last { level } else { Some(Logic::Low) };
-                                listener.level(first + n, now, level)?;
-                            }
-                        }
-                    }
+                    self.scalar(logic(*value), id, now, listener)?;
                 }
                 [b'b' | b'B', bits @ ..] => {
                     let bits: Vec<u8> = bits.iter().rev().take(64).copied().collect();
@@ -102,6 +92,24 @@ impl Changes<'_> {
                 }
             }
         }
+    }
+
+    /// A scalar sets the last bit of a vector and clears the others.
+    fn scalar(
+        &self,
+        level: Option<Logic>,
+        id: &[u8],
+        now: u64,
+        listener: &mut impl Listener,
+    ) -> Result<(), Halt> {
+        for variable in self.variables.get(id) {
+            if let Variable::Wires { first, width } = *variable {
+                let last = first + width - 1;
+                (first..last).try_for_each(|n| listener.level(n, now, Some(Logic::Low)))?;
+                listener.level(last, now, level)?;
+            }
+        }
+        Ok(())
     }
 
     /// `bits` start with the least significant one; missing ones repeat the last x or z, else 0.
