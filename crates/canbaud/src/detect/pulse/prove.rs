@@ -2,6 +2,8 @@
 
 use super::comb::Slack;
 use super::data_rate;
+use super::lattice::Stray;
+use super::places::Places;
 use super::{coarse, comb};
 use crate::wire::attempts::placements;
 use crate::wire::clock::BitClock;
@@ -10,6 +12,9 @@ use crate::wire::{FdCrc, Received};
 
 /// Most bit times tried for one frame.
 const PROPOSALS_MAX: usize = 48;
+
+/// Fewest idle bits before a frame: ten are sure, rounding may take one.
+const IDLE_BITS_MIN: u64 = 9;
 
 /// Bit times to try, in ticks times 2^20, in the order of trying.
 #[derive(Debug, Clone)]
@@ -51,17 +56,30 @@ pub(super) struct Proof {
     pub(super) compared: u32,
 }
 
+impl Proof {
+    /// Whether the nominal edges lie where those of a bus do.
+    fn lies_on_grid(&self, activity: Activity<'_>) -> bool {
+        // The fitted bit time, because the proposed one may drift off over the frame.
+        let fitted = self.reading.nominal.fit().ticks_q20();
+        let ticks_q20 = fitted.unwrap_or(self.rates.nominal.ticks_q20());
+        Stray::of(&Places::nominal(activity, self), ticks_q20).is_of_a_bus(ticks_q20)
+    }
+}
+
 /// Tries to prove a bit time for `activity`; counts the comparisons of a CRC in `compared`.
-pub(super) fn prove(activity: Activity<'_>, compared: &mut u32) -> Option<Proof> {
+///
+/// A frame needs its idle `before`: eleven bits, less what a late end of the frame before it takes.
+pub(super) fn prove(activity: Activity<'_>, before: u32, compared: &mut u32) -> Option<Proof> {
+    let idle_q20 = u64::from(before) << 20;
     let mut proposals = Proposals::new();
     coarse::propose(activity.runs, &mut proposals);
-    if let Some(proof) = first_right(activity, &proposals, compared) {
+    if let Some(proof) = first_right(activity, idle_q20, &proposals, compared) {
         return Some(proof);
     }
     [Slack::Tight, Slack::Loose].into_iter().find_map(|slack| {
         let mut proposals = Proposals::new();
         comb::propose(activity.runs, slack, &mut proposals);
-        first_right(activity, &proposals, compared)
+        first_right(activity, idle_q20, &proposals, compared)
     })
 }
 
@@ -81,7 +99,10 @@ pub(super) fn prove_at(activity: Activity<'_>, rates: &Rates, compared: &mut u32
         match reading.outcome {
             Outcome::Frame { received, .. } | Outcome::Unacknowledged { received, .. } => {
                 let (rates, compared) = (*rates, *compared);
-                return Some(Proof { rates, received, reading, placement, compared });
+                let proof = Proof { rates, received, reading, placement, compared };
+                if proof.lies_on_grid(activity) {
+                    return Some(proof);
+                }
             }
             Outcome::DataRateWanted { brs_run } => {
                 if let Some(proof) = data_rate::prove(activity, rates, brs_run, compared) {
