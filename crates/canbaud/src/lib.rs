@@ -11,3 +11,8 @@ extern crate std;
 pub mod detect;
 pub mod units;
 pub mod wire;
+
+/// The examples of the README compile.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

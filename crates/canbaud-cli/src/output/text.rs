@@ -30,7 +30,7 @@ const ANOTHER_RATE_PPM: f64 = 50_000.0;
 const WIDTH: usize = 96;
 
 /// The verdict on one channel in one line of plain words.
-pub(crate) fn headline(report: &ChannelReport) -> String {
+fn headline(report: &ChannelReport) -> String {
     match report.outcome {
         Outcome::Found => {
             let proven = count(report.proven_frames, "frame", "frames");
@@ -55,6 +55,20 @@ pub(crate) fn headline(report: &ChannelReport) -> String {
                 .collect();
             format!("conflict — two rates on one line: {}", both.join(" and "))
         }
+    }
+}
+
+/// The verdict with what was decoded, in one line.
+pub(crate) fn summary(report: &ChannelReport) -> String {
+    let verdict = headline(report);
+    if report.outcome != Outcome::Found {
+        return verdict;
+    }
+    let good = report.frames.classic + report.frames.fd + report.frames.remote;
+    let frames = count(good, "good frame", "good frames");
+    match report.frames.error {
+        0 => format!("{verdict}; {frames}"),
+        errors => format!("{verdict}; {frames}, {}", count(errors, "error", "errors")),
     }
 }
 

@@ -11,9 +11,9 @@ use super::failure::{source_name, unreadable, unwritable};
 use crate::args::{DecodeArgs, FrameFormat};
 use crate::exit::Exit;
 use crate::judge;
-use crate::output::{Candump, Clock, FramesJson, ItemWriter, Pcapng, RawDlc, headline};
+use crate::output::{Candump, Clock, FramesJson, ItemWriter, Pcapng, RawDlc, summary};
 use crate::printable::printable;
-use crate::report::{ChannelReport, Outcome};
+use crate::report::ChannelReport;
 
 /// Large enough that a system call costs nothing per frame.
 const BUFFER: usize = 64 * 1024;
@@ -113,19 +113,8 @@ fn writer(args: &DecodeArgs, clock: Clock) -> io::Result<Box<dyn ItemWriter>> {
 /// Tells what the frames were decoded with, or why there are none.
 fn conclude(args: &DecodeArgs, source: &str, report: &ChannelReport) -> Exit {
     if !args.quiet {
-        let frames = &report.frames;
-        let good = frames.classic + frames.fd + frames.remote;
         let channel = printable(&report.channel);
-        let verdict = headline(report);
-        match report.outcome {
-            Outcome::Found => eprintln!(
-                "canbaud: {source}: channel {channel}: {verdict}; {good} frames decoded, {} errors",
-                frames.error
-            ),
-            Outcome::Undecided | Outcome::NoTraffic | Outcome::Conflict => {
-                eprintln!("canbaud: {source}: channel {channel}: {verdict}");
-            }
-        }
+        eprintln!("canbaud: {source}: channel {channel}: {}", summary(report));
     }
     report.outcome.into()
 }
