@@ -1,14 +1,12 @@
 //! `canbaud decode` on recordings of known frames.
 
 mod common;
-#[path = "../src/schema.rs"]
-mod schema;
 
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 
 use canbaud::wire::{Frame, FrameKind, Id};
-use common::{canbaud, command, file, frames, starts, stderr, stdout, vcd};
+use common::{canbaud, command, file, frames, schema, starts, stderr, stdout, vcd};
 
 /// The part of a candump line behind the interface, put together by hand.
 fn log_body(frame: &Frame) -> String {

@@ -1,13 +1,11 @@
 //! `canbaud detect` on one and on many files.
 
 mod common;
-#[path = "../src/schema.rs"]
-mod schema;
 
 use std::io::Read;
 use std::process::Stdio;
 
-use common::{canbaud, command, file, frames, stderr, stdout, vcd};
+use common::{canbaud, command, file, frames, schema, stderr, stdout, vcd};
 use serde_json::Value;
 
 const FLAT: &str =

@@ -35,7 +35,7 @@ impl EdgeSink for Det<'_> {
         self.0[c].2 = at;
     }
     fn progress(&mut self, a: u64, b: u64) {
-        (self.1)(a, b)
+        (self.1)(a, b);
     }
 }
 struct Dec<'a>(Option<Decoder<800>>, Polarity, usize, L<'a>);

@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use canbaud_capture::{Capture, open};
+use canbaud_capture::{Capture, CaptureError, open};
 
 use super::failure::{source_name, unreadable, unwritable};
 use crate::args::{DecodeArgs, FrameFormat};
@@ -39,23 +39,27 @@ pub(crate) fn decode(args: &DecodeArgs) -> Exit {
         Err(error) => return unwritable(&target, &error),
     };
     match copy(&mut capture, args, writer.as_mut()) {
-        Copied::Report(report) => conclude(args, &source, &report),
-        Copied::Unreadable(error) => {
+        Ok(report) => conclude(args, &source, &report),
+        Err(Stopped::Unreadable(error)) => {
             eprint!("{}", unreadable(&source, &error));
             Exit::Unreadable
         }
-        Copied::Unwritable(error) => unwritable(&target, &error),
+        Err(Stopped::Unwritable(error)) => unwritable(&target, &error),
     }
 }
 
-enum Copied {
-    Report(ChannelReport),
-    Unreadable(canbaud_capture::CaptureError),
+/// Why decoding ended before the end of the capture.
+enum Stopped {
+    Unreadable(CaptureError),
     Unwritable(io::Error),
 }
 
 /// Decodes into `writer`; what was decoded before a damage is kept.
-fn copy(capture: &mut Capture, args: &DecodeArgs, writer: &mut dyn ItemWriter) -> Copied {
+fn copy(
+    capture: &mut Capture,
+    args: &DecodeArgs,
+    writer: &mut dyn ItemWriter,
+) -> Result<ChannelReport, Stopped> {
     let mut failed = None;
     let judged = judge::decode(capture, &args.reading.judge_options(), &mut |item| match writer
         .write(item)
@@ -67,12 +71,9 @@ fn copy(capture: &mut Capture, args: &DecodeArgs, writer: &mut dyn ItemWriter) -
         }
     });
     if let Some(error) = failed.or_else(|| writer.finish().err()) {
-        return Copied::Unwritable(error);
+        return Err(Stopped::Unwritable(error));
     }
-    match judged {
-        Ok(report) => Copied::Report(report),
-        Err(error) => Copied::Unreadable(error),
-    }
+    judged.map_err(Stopped::Unreadable)
 }
 
 /// Why the output cannot go where it should: it would destroy the capture, or the terminal.

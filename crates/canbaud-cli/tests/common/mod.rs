@@ -8,33 +8,36 @@ use std::process::{Command, Output};
 
 use canbaud::wire::{FdCrc, Frame, FrameKind, Id, Level, encode};
 
+#[path = "../../src/schema.rs"]
+pub(crate) mod schema;
+
 /// Nominal bit time of the recordings in ns: 500 kbit/s.
 const NOMINAL_NS: u64 = 2_000;
 /// Data bit time: 2 Mbit/s.
 const DATA_NS: u64 = 500;
 /// Idle between frames, and at both ends, in ns.
-pub const GAP_NS: u64 = 40_000;
+pub(crate) const GAP_NS: u64 = 40_000;
 
-pub fn canbaud(arguments: &[&str]) -> Output {
+pub(crate) fn canbaud(arguments: &[&str]) -> Output {
     command(arguments).output().unwrap()
 }
 
-pub fn command(arguments: &[&str]) -> Command {
+pub(crate) fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_canbaud"));
     command.args(arguments);
     command
 }
 
-pub fn stdout(output: &Output) -> String {
+pub(crate) fn stdout(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-pub fn stderr(output: &Output) -> String {
+pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
 /// One frame of every kind that a decoder must print.
-pub fn frames() -> Vec<Frame> {
+pub(crate) fn frames() -> Vec<Frame> {
     let bytes: Vec<u8> = (0..64).map(|i: u8| i.wrapping_mul(37) ^ 0x5A).collect();
     let new = |id, kind, dlc| {
         let length = Frame::data_length(kind, dlc);
@@ -52,7 +55,7 @@ pub fn frames() -> Vec<Frame> {
 }
 
 /// When the SOF of each frame of [`vcd`] begins, in ns.
-pub fn starts(frames: &[Frame]) -> Vec<u64> {
+pub(crate) fn starts(frames: &[Frame]) -> Vec<u64> {
     let mut at = GAP_NS;
     frames
         .iter()
@@ -85,7 +88,7 @@ fn levels(frame: &Frame) -> Vec<(Level, u64)> {
 }
 
 /// A recording of `frames` on channel RX, with an idle channel beside it.
-pub fn vcd(frames: &[Frame]) -> String {
+pub(crate) fn vcd(frames: &[Frame]) -> String {
     let mut text = String::from(
         "$timescale 1 ns $end $scope module top $end $var wire 1 ! RX $end \
          $var wire 1 \" LED $end $upscope $end $enddefinitions $end\n#0 1! 0\"\n",
@@ -108,7 +111,7 @@ pub fn vcd(frames: &[Frame]) -> String {
 }
 
 /// Writes a file and gives its path.
-pub fn file(directory: &Path, name: &str, content: &str) -> PathBuf {
+pub(crate) fn file(directory: &Path, name: &str, content: &str) -> PathBuf {
     let path = directory.join(name);
     std::fs::write(&path, content).unwrap();
     path
