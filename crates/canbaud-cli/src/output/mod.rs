@@ -11,6 +11,7 @@ mod report_json;
 mod socketcan;
 mod stamp;
 mod text;
+mod words;
 
 #[cfg(test)]
 mod items;

@@ -10,6 +10,7 @@ use super::number::{
     with_uncertainty,
 };
 use super::paint::Paint;
+use super::words::{asymmetry, frames_by_kind, wrap};
 use crate::printable::printable;
 use crate::report::{ChannelReport, FrameCounts, Outcome, Rate};
 
@@ -151,8 +152,8 @@ impl Sheet {
             let edges = count(report.edges, "edge", "edges");
             self.line("bus load", &format!("{}   {edges} in {span}", percent(report.bus_load)));
         }
-        if let Some(asymmetry) = report.asymmetry_ns {
-            self.line("asymmetry", &asymmetry_words(asymmetry));
+        if let Some(nanoseconds) = report.asymmetry_ns {
+            self.line("asymmetry", &asymmetry(nanoseconds));
         }
         if let Some(spread) = report.clock_spread_ppm {
             self.line("clocks", &format!("the senders differ by {} ppm", short(spread)));
@@ -205,7 +206,7 @@ impl Sheet {
     }
 
     fn frames(&mut self, frames: &FrameCounts) {
-        self.line("frames", &frames_words(frames));
+        self.line("frames", &frames_by_kind(frames));
         let good = frames.classic + frames.fd + frames.remote;
         let mut errors = Vec::new();
         if frames.error > 0 {
@@ -252,62 +253,6 @@ impl Sheet {
             self.line("no traffic", &names.join(", "));
         }
     }
-}
-
-/// `612 classic, 376 CAN FD (370 with bit rate switch), 12 remote; 30 extended`.
-fn frames_words(frames: &FrameCounts) -> String {
-    let mut kinds = Vec::new();
-    if frames.classic > 0 {
-        kinds.push(format!("{} classic", thousands(frames.classic)));
-    }
-    if frames.fd > 0 {
-        let switched = match frames.fd_brs {
-            0 => "none switches the bit rate".to_owned(),
-            n if n == frames.fd => "all switch the bit rate".to_owned(),
-            n => format!("{} switch the bit rate", thousands(n)),
-        };
-        let non_iso = match frames.fd_non_iso {
-            0 => "",
-            n if n == frames.fd => ", non-ISO CRC",
-            _ => ", ISO and non-ISO CRC mixed",
-        };
-        kinds.push(format!("{} CAN FD ({switched}{non_iso})", thousands(frames.fd)));
-    }
-    if frames.remote > 0 {
-        kinds.push(format!("{} remote", thousands(frames.remote)));
-    }
-    let mut text = if kinds.is_empty() { "no good frame".to_owned() } else { kinds.join(", ") };
-    if frames.extended > 0 {
-        let _ = write!(text, "; {} extended", thousands(frames.extended));
-    }
-    text
-}
-
-fn asymmetry_words(nanoseconds: f64) -> String {
-    let size = short(nanoseconds.abs());
-    match nanoseconds {
-        ns if ns.abs() < 1.0 => "below 1 ns".to_owned(),
-        ns if ns > 0.0 => format!("dominant bits {size} ns longer, recessive bits shorter"),
-        _ => format!("dominant bits {size} ns shorter, recessive bits longer"),
-    }
-}
-
-/// Breaks text into lines of at most `width` characters, where there are blanks.
-fn wrap(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let room = lines.last().map_or(0, |line| line.chars().count());
-        if room > 0 && room + 1 + word.chars().count() > width {
-            lines.push(String::new());
-        }
-        if let Some(line) = lines.last_mut() {
-            if !line.is_empty() {
-                line.push(' ');
-            }
-            line.push_str(word);
-        }
-    }
-    lines
 }
 
 #[cfg(test)]

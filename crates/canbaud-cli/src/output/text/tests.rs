@@ -106,12 +106,6 @@ fn control_characters_of_a_channel_name_do_not_reach_the_terminal() {
 }
 
 #[test]
-fn long_caveats_are_wrapped_with_an_indent() {
-    let lines = wrap("one two three four", 9);
-    assert_eq!(lines, ["one two", "three", "four"]);
-}
-
-#[test]
 fn summary_counts_good_frames_and_errors() {
     assert_eq!(summary(&classic()), "125 kbit/s — proven by 286 frames; 286 good frames");
     assert!(summary(&fd()).ends_with("; 1,000 good frames, 2 errors"));
