@@ -9,6 +9,7 @@
 extern crate std;
 
 pub mod detect;
+pub mod rates;
 pub mod units;
 pub mod wire;
 

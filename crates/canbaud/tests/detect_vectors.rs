@@ -32,7 +32,7 @@ struct Expect {
 
 impl Recording {
     fn verdict(&self) -> Verdict {
-        let mut detector: PulseDetector = PulseDetector::new();
+        let mut detector = PulseDetector::<800>::new();
         detector.begin(0, if self.initial == "high" { Logic::High } else { Logic::Low });
         for edge in &self.edges {
             detector.push(*edge);

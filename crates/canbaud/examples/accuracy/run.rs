@@ -11,7 +11,7 @@ use canbaud::detect::{BitTime, DataPhase, Found, Need, PulseDetector, Verdict};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Pulses that the measured detector can hold.
-const PULSES: usize = 128;
+const PULSES: usize = 800;
 
 /// Trials that a thread takes at once.
 const CHUNK: u64 = 256;

@@ -31,7 +31,9 @@ pub(crate) fn read_best(activity: Activity<'_>, rates: &Rates) -> Reading {
 /// Whether another placement could not say more.
 fn is_settled(reading: &Reading) -> bool {
     match reading.outcome {
-        Outcome::Frame { .. } | Outcome::DataRateWanted { .. } => true,
+        Outcome::Frame { .. } | Outcome::Unacknowledged { .. } | Outcome::DataRateWanted { .. } => {
+            true
+        }
         Outcome::Failed(_) => reading.crc_right,
     }
 }

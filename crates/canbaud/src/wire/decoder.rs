@@ -166,7 +166,8 @@ impl<const N: usize> Decoder<N> {
             }
         }
         self.report(&reading, listener);
-        if let Outcome::Frame { received, .. } = reading.outcome
+        if let Outcome::Frame { received, .. } | Outcome::Unacknowledged { received, .. } =
+            reading.outcome
             && let Some(fd_crc) = received.fd_crc
         {
             self.rates.fd_crc = fd_crc;
@@ -191,7 +192,7 @@ impl<const N: usize> Decoder<N> {
             Outcome::DataRateWanted { brs_run } => {
                 Failure { kind: ErrorKind::DataRateUnknown, field: Field::Control, run: brs_run }
             }
-            Outcome::Failed(failure) => failure,
+            Outcome::Unacknowledged { failure, .. } | Outcome::Failed(failure) => failure,
         };
         if self.activity.is_integrating() {
             return;

@@ -19,7 +19,7 @@ mod line;
 pub(crate) mod phase;
 pub(crate) mod reader;
 mod sums;
-mod sync;
+pub(crate) mod sync;
 
 pub use bits::BitString;
 pub use crc::{Crc, CrcKind};

@@ -23,8 +23,8 @@ pub(super) fn propose(runs: &[u32], proposals: &mut Proposals) {
             if first_q8 < u64::from(TICKS_MIN) << 8 {
                 break;
             }
-            if let Some(ticks_q20) = refine(runs, window, first_q8) {
-                proposals.add(ticks_q20);
+            if let Some(ticks_q20) = refine(runs, window, shortest, first_q8) {
+                proposals.add(ticks_q20, ticks_q20 / 1000);
             }
         }
         if window >= runs.len() / 2 {
@@ -38,13 +38,14 @@ fn periods(runs: &[u32]) -> impl Iterator<Item = u32> + '_ {
     runs.chunks_exact(2).map(|pair| pair.iter().fold(0_u32, |sum, &run| sum.saturating_add(run)))
 }
 
-/// Makes the bit time `first_q8` (ticks times 2^8) exact: first from short periods, where it
-/// cannot miscount, then from the longest stretch of edges that fits it.
-fn refine(runs: &[u32], window: usize, first_q8: u64) -> Option<u64> {
+/// Makes the bit time `first_q8` (ticks times 2^8) exact: first from periods up to twice the
+/// `shortest`, where it hardly miscounts, then from the longest stretch of edges that fits it.
+fn refine(runs: &[u32], window: usize, shortest: u32, first_q8: u64) -> Option<u64> {
     let (mut ticks, mut bits) = (0_u64, 0_u64);
     for period in periods(runs).take(window) {
         let count = round_div(u64::from(period) << 8, first_q8);
-        if (2..=4).contains(&count) {
+        // At twice its length, a count off by a quarter of the shortest period is still right.
+        if u64::from(period) <= 2 * u64::from(shortest) {
             ticks += u64::from(period);
             bits += count;
         }

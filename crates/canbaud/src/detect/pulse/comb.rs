@@ -7,8 +7,10 @@
 use super::prove::Proposals;
 use crate::wire::phase::{bucket, smallest_arc};
 
-/// Bits of the longest classic frame with all its stuff bits.
-const FRAME_BITS_MAX: u64 = 140;
+/// Most bits that these runs have.
+const BITS_MAX: u64 = 250;
+/// Runs that are looked at.
+const RUNS_MAX: usize = 100;
 /// Steps of the search in which the last edge moves by one bit.
 const STEPS_A_BIT: u64 = 10;
 /// Longest arc that is still a pattern, in 64ths of a bit.
@@ -19,56 +21,46 @@ const TICKS_Q8_MIN: u64 = 320;
 const TICKS_Q8_MAX: u64 = 8 << 8;
 
 /// Proposes bit times for the frame with these `runs`.
-pub(super) fn propose(runs: &[u32], proposals: &mut Proposals) {
+pub(super) fn propose(runs: &[u32], slack: Slack, proposals: &mut Proposals) {
+    // The last run may be an error flag; the first runs of a long frame suffice.
+    let runs = runs.split_last().map_or(runs, |(_, before)| before);
+    let runs = runs.get(..RUNS_MAX).unwrap_or(runs);
     let duration: u64 = runs.iter().map(|&run| u64::from(run)).sum();
     let shortest = u64::from(runs.iter().copied().min().unwrap_or(0));
     let longest = u64::from(runs.iter().copied().max().unwrap_or(0));
     // No run is longer than five bits and a tick, none shorter than a bit less a tick.
     let low = ((longest.saturating_sub(1) << 8) / 5 - ((longest << 8) / 100))
         .max(TICKS_Q8_MIN)
-        .max((duration << 8) / FRAME_BITS_MAX);
+        .max((duration << 8) / BITS_MAX);
     let high = ((shortest + 1) << 8).saturating_add(64).min(TICKS_Q8_MAX);
-    scan(runs, duration, low << 12, high << 12, proposals);
+    scan(runs, duration, low << 12, high << 12, slack, proposals);
 }
 
 /// Tries bit times from `high` down to `low` (ticks times 2^20).
-fn scan(runs: &[u32], duration: u64, low: u64, high: u64, proposals: &mut Proposals) {
+fn scan(runs: &[u32], duration: u64, low: u64, high: u64, slack: Slack, out: &mut Proposals) {
     let mut bit_q20 = high;
-    let mut valley: Option<Valley> = None;
+    // The last bit time that was proposed.
+    let mut proposed = u64::MAX;
     while bit_q20 >= low && bit_q20 > 0 {
-        let arc = arc_length(runs, bit_q20);
-        // An arc of one tick, and a little for jitter.
-        let limit = ((64_u64 << 20) / bit_q20) as u32 + 6;
-        if arc <= limit.min(ARC_MAX) {
-            valley = Some(match valley {
-                Some(open) if open.arc < arc => open,
-                Some(open) if open.arc == arc => Valley { low: bit_q20, ..open },
-                _ => Valley { arc, high: bit_q20, low: bit_q20 },
-            });
-        } else if let Some(done) = valley.take() {
-            proposals.add(done.middle());
-        }
-        // One step moves the last edge by a tenth of a bit.
         let bits = ((duration << 20) / bit_q20).max(20);
-        bit_q20 -= (bit_q20 / (bits * STEPS_A_BIT)).max(1);
-    }
-    if let Some(done) = valley {
-        proposals.add(done.middle());
+        let step = (bit_q20 / (bits * STEPS_A_BIT)).max(1);
+        // Edges on whole ticks take an arc of one tick, and the edge of a bucket on both sides.
+        let limit = ((64_u64 << 20) / bit_q20) as u32 + slack as u32;
+        if arc_length(runs, bit_q20) <= limit.min(ARC_MAX) && proposed - bit_q20 >= 2 * step {
+            out.add(bit_q20, bit_q20 / (bits * 8));
+            proposed = bit_q20;
+        }
+        bit_q20 -= step;
     }
 }
 
-/// Neighbouring bit times that fit; the best of them.
-#[derive(Debug, Clone, Copy)]
-struct Valley {
-    arc: u32,
-    high: u64,
-    low: u64,
-}
-
-impl Valley {
-    const fn middle(self) -> u64 {
-        self.low + (self.high - self.low) / 2
-    }
+/// How much longer than one tick the arc may be, in 64ths of a bit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Slack {
+    /// Nothing but quantisation moves the edges.
+    Tight = 2,
+    /// Jitter, and transceivers that shift the polarities apart.
+    Loose = 10,
 }
 
 /// The arc that the edges take at this bit time, in 64ths of a bit.

@@ -5,10 +5,10 @@
 //! to dominant behind BRS; how many bits the recessive run with BRS holds is tried out.
 
 use super::coarse;
-use super::comb;
+use super::comb::{self, Slack};
 use super::prove::{Proof, Proposals};
 use crate::wire::clock::BitClock;
-use crate::wire::reader::{Activity, DataRate, Outcome, Placement, Rates, read};
+use crate::wire::reader::{Activity, DataRate, Placement, Rates, read};
 use crate::wire::{DataRateWanted, DataTiming, FdCrc};
 
 /// Runs at the end of a frame that are nominal again: CRC delimiter, acknowledge.
@@ -36,7 +36,7 @@ pub(super) fn prove(
     let brs_ticks = *activity.runs.get(brs_run)?;
     let mut proposals = Proposals::new();
     coarse::propose(data_runs, &mut proposals);
-    comb::propose(data_runs, &mut proposals);
+    comb::propose(data_runs, Slack::Loose, &mut proposals);
     for bit_q20 in proposals.iter() {
         // The data rate is never below the nominal one.
         if bit_q20 > rates.nominal.ticks_q20() + rates.nominal.ticks_q20() / 50 {
@@ -87,8 +87,9 @@ fn prove_at(
                     let rates = Rates { data: Some(rate), fd_crc, ..*rates };
                     let reading = read(activity, &rates, placement);
                     *compared += u32::from(reading.crc_compared);
-                    if let Outcome::Frame { received, .. } = reading.outcome {
-                        return Some(Proof { rates, received, reading, compared: *compared });
+                    if let Some(received) = reading.proven() {
+                        let compared = *compared;
+                        return Some(Proof { rates, received, reading, placement, compared });
                     }
                 }
             }

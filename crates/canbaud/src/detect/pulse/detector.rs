@@ -1,9 +1,11 @@
 //! The detector: edges in, a verdict out, in fixed memory.
 
-use super::measure::Measurement;
+use super::glitch;
+use super::interval::interval;
+use super::measure::{Measurement, pool};
 use super::prove::{Proof, prove, prove_at};
 use super::segment::{Candidate, Segmenter};
-use crate::detect::{BitTime, DataPhase, Found, Need, Verdict};
+use crate::detect::{DataPhase, Found, Need, Verdict};
 use crate::wire::clock::{BIT_Q20, BitClock};
 use crate::wire::reader::{Activity, Rates, Reading};
 use crate::wire::{BusTiming, DataTiming, FdCrc, Frame, Logic, Polarity};
@@ -33,8 +35,7 @@ pub struct PulseDetector<const N: usize = 160> {
     last: u64,
     edges: u32,
     candidates: u32,
-    leader: Option<Rate>,
-    rival: Option<Rate>,
+    rates: ProvenRates,
 }
 
 /// A rate that proved at least one frame.
@@ -60,8 +61,7 @@ impl<const N: usize> PulseDetector<N> {
             last: 0,
             edges: 0,
             candidates: 0,
-            leader: None,
-            rival: None,
+            rates: ProvenRates { leader: None, rival: None },
         }
     }
 
@@ -92,7 +92,7 @@ impl<const N: usize> PulseDetector<N> {
     /// What is known so far.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
-        match (&self.leader, &self.rival) {
+        match (&self.rates.leader, &self.rates.rival) {
             (None, _) if self.edges == 0 => Verdict::NoTraffic,
             (None, _) if self.candidates == 0 => Verdict::Undecided(Need::CompleteFrame),
             (None, _) => Verdict::Undecided(Need::CleanFrame),
@@ -111,7 +111,7 @@ impl<const N: usize> PulseDetector<N> {
     /// What a decoder must know to read the bus; `None` before a verdict of `Found`.
     #[must_use]
     pub fn bus_timing(&self) -> Option<BusTiming> {
-        match (self.verdict(), &self.leader) {
+        match (self.verdict(), &self.rates.leader) {
             (Verdict::Found(_), Some(leader)) => Some(leader.bus_timing()),
             _ => None,
         }
@@ -132,46 +132,75 @@ impl<const N: usize> PulseDetector<N> {
 
     fn judge_candidate(&mut self, candidate: Candidate) -> bool {
         let runs = self.segmenter.runs_from(candidate.at);
-        let activity = Activity { runs, gap: candidate.gap };
+        let gap = candidate.gap;
         let polarity = match candidate.idle {
             Logic::High => Polarity::Normal,
             Logic::Low => Polarity::Inverted,
         };
-        let known = [&mut self.leader, &mut self.rival].into_iter().flatten().any(|rate| {
-            let proof = (rate.polarity == polarity)
-                .then(|| prove_at(activity, &rate.rates, &mut 0))
-                .flatten();
-            if let Some(proof) = &proof {
-                rate.add(proof, activity);
-            }
-            proof.is_some()
-        });
-        if known {
-            self.rank();
+        let mut room = [0; N];
+        let rates = &mut self.rates;
+        if rates.read(runs, gap, polarity, &mut room) {
             return true;
         }
-        let Some(proof) = prove(activity) else { return false };
+        let mut compared = 0;
+        let activity = Activity { runs, gap };
+        if let Some(proof) = prove(activity, &mut compared) {
+            rates.enter(&proof, activity, polarity);
+            return true;
+        }
+        for width in glitch::widths(runs) {
+            let Some(runs) = glitch::without(runs, width, &mut room) else { continue };
+            let activity = Activity { runs, gap };
+            if let Some(proof) = prove(activity, &mut compared) {
+                rates.enter(&proof, activity, polarity);
+                return true;
+            }
+        }
+        false
+    }
+}
+
+/// The rates that proved frames: the one with more, and another.
+#[derive(Debug, Clone, Copy)]
+struct ProvenRates {
+    leader: Option<Rate>,
+    rival: Option<Rate>,
+}
+
+impl ProvenRates {
+    fn iter_mut(&mut self) -> impl Iterator<Item = &mut Rate> {
+        [&mut self.leader, &mut self.rival].into_iter().flatten()
+    }
+
+    /// Reads a frame at one of the rates; `room` holds it without its glitches.
+    fn read(&mut self, runs: &[u32], gap: u32, polarity: Polarity, room: &mut [u32]) -> bool {
+        let read =
+            self.iter_mut().any(|rate| rate.polarity == polarity && rate.reads(runs, gap, room));
+        self.rank();
+        read
+    }
+
+    /// Enters a proof with the rate that it is for.
+    fn enter(&mut self, proof: &Proof, activity: Activity<'_>, polarity: Polarity) {
         let bit_q20 = proof.rates.nominal.ticks_q20();
-        let same = [&mut self.leader, &mut self.rival].into_iter().flatten().find(|rate| {
+        let same = self.iter_mut().find(|rate| {
             let known = rate.rates.nominal.ticks_q20();
             rate.polarity == polarity && known.abs_diff(bit_q20) <= known >> SAME_RATE_SHIFT
         });
         match same {
-            Some(rate) => rate.add(&proof, activity),
+            Some(rate) => rate.add(proof, activity),
             None => {
                 let slot = if self.leader.is_none() { &mut self.leader } else { &mut self.rival };
-                *slot = Some(Rate::new(&proof, activity, polarity));
+                *slot = Some(Rate::new(proof, activity, polarity));
             }
         }
         self.rank();
-        true
     }
 
     /// The rate with more proven frames leads.
     fn rank(&mut self) {
-        if let (Some(leader), Some(rival)) = (&self.leader, &self.rival)
-            && rival.proven > leader.proven
-        {
+        let proven = |rate: &Option<Rate>| rate.map_or(0, |rate| rate.proven);
+        if proven(&self.rival) > proven(&self.leader) {
             core::mem::swap(&mut self.leader, &mut self.rival);
         }
     }
@@ -202,6 +231,20 @@ impl Rate {
         rate
     }
 
+    /// Reads one more frame at this rate; `room` holds it without its glitches.
+    fn reads(&mut self, runs: &[u32], gap: u32, room: &mut [u32]) -> bool {
+        let shortest = self.rates.data.map_or(self.rates.nominal, |data| data.clock);
+        let width = (3 * shortest.ticks_q20() / 10) >> 20;
+        let width = u32::try_from(width).unwrap_or(u32::MAX);
+        let runs = glitch::without(runs, width, room).unwrap_or(runs);
+        let activity = Activity { runs, gap };
+        let proof = prove_at(activity, &self.rates, &mut 0);
+        if let Some(proof) = &proof {
+            self.add(proof, activity);
+        }
+        proof.is_some()
+    }
+
     fn add(&mut self, proof: &Proof, activity: Activity<'_>) {
         let hash = hash(&proof.received.frame);
         if self.proven == 0 || hash != self.last_frame {
@@ -224,6 +267,9 @@ impl Rate {
             let noise = noise_q20(activity, &proof.reading, bit.ticks_q20);
             self.nominal.set_noise(noise);
             self.data.set_noise(noise);
+            if let Some(interval) = interval(activity, proof) {
+                self.nominal.set_interval(&interval);
+            }
         }
         self.sharpen();
     }
@@ -254,10 +300,13 @@ impl Rate {
         if self.proof_bits < PROOF_BITS_MIN {
             return Verdict::Undecided(Need::AnotherFrame);
         }
-        let data = match (self.fd_frames, self.data_bit_time()) {
-            (0, _) => DataPhase::NoFd,
-            (_, None) => DataPhase::NeverSwitched,
-            (_, Some(bit)) => DataPhase::Switched(bit),
+        let (nominal, data) = match (self.fd_frames, self.data.bit_time()) {
+            (0, _) => (nominal, DataPhase::NoFd),
+            (_, None) => (nominal, DataPhase::NeverSwitched),
+            (_, Some(bit)) => {
+                let (nominal, data) = pool(nominal, bit);
+                (nominal, DataPhase::Switched(data))
+            }
         };
         Verdict::Found(Found {
             nominal,
@@ -266,10 +315,6 @@ impl Rate {
             proof_bits: self.proof_bits,
             polarity: self.polarity,
         })
-    }
-
-    fn data_bit_time(&self) -> Option<BitTime> {
-        self.data.bit_time()
     }
 
     fn bus_timing(&self) -> BusTiming {

@@ -1,5 +1,6 @@
 //! A bit time with its uncertainty, from the edges of proven frames.
 
+use super::interval::Interval;
 use crate::detect::BitTime;
 use crate::wire::{Fit, PhaseSums};
 
@@ -20,6 +21,8 @@ pub struct Measurement {
     asymmetry_q8: i64,
     /// Variance of an edge in ticks^2 times 2^20, where it was measured.
     noise_q20: u64,
+    /// The bit time of the first frame from its bounds, in ticks times 2^20.
+    bounded_q20: Option<u64>,
 }
 
 /// Variance of an edge on whole ticks: a twelfth of a tick squared, times 2^20.
@@ -44,8 +47,18 @@ impl Measurement {
     }
 
     /// Says how much the edges scatter: their variance in ticks squared, times 2^20.
-    pub(crate) fn set_noise(&mut self, noise_q20: u64) {
+    pub(super) fn set_noise(&mut self, noise_q20: u64) {
         self.noise_q20 = noise_q20;
+    }
+
+    /// Says which bit times the first frame allows.
+    pub(super) fn set_interval(&mut self, interval: &Interval) {
+        let width = u128::from(interval.high_q20 - interval.low_q20);
+        self.bounded_q20 = Some(interval.low_q20 + (interval.high_q20 - interval.low_q20) / 2);
+        // Any bit time in the interval is as likely: as noise of the edges that has this effect.
+        let variance_q40 = width * width / 12;
+        let noise = (variance_q40.saturating_mul(self.sxx_q8)) >> 28;
+        self.noise_q20 = self.noise_q20.max(u64::try_from(noise).unwrap_or(u64::MAX));
     }
 
     /// Frames taken.
@@ -75,6 +88,9 @@ impl Measurement {
 
     /// The mean, in two steps so that no length of capture overflows.
     fn ticks_q20(&self) -> Option<u64> {
+        if let (Some(bounded), 1) = (self.bounded_q20, self.frames) {
+            return Some(bounded);
+        }
         let whole = self.sxy_q8 / self.sxx_q8;
         let rest = self.sxy_q8 % self.sxx_q8;
         let fraction = rest.checked_shl(20).filter(|_| rest.leading_zeros() >= 20)? / self.sxx_q8;
@@ -95,5 +111,57 @@ impl Measurement {
         let scatter_q28 = self.weighted_q28.saturating_sub(common);
         let per_frame = scatter_q28 / u128::from(self.frames - 1);
         per_frame.saturating_mul(1 << 20) / self.sxx_q8
+    }
+}
+
+/// Whole ratios of nominal and data bit time that are looked for.
+const RATIO_MAX: u64 = 32;
+
+/// Makes one measurement of two: one oscillator makes both bit times of a node, nearly always in
+/// a whole ratio. If nominal and data bit time agree with one within four standard deviations,
+/// each sharpens the other.
+pub(super) fn pool(nominal: BitTime, data: BitTime) -> (BitTime, BitTime) {
+    let ratio = (nominal.ticks_q20 + data.ticks_q20 / 2) / data.ticks_q20.max(1);
+    let scaled = data.ticks_q20 * ratio;
+    let apart_ppb = u128::from(scaled.abs_diff(nominal.ticks_q20)) * 1_000_000_000
+        / u128::from(nominal.ticks_q20.max(1));
+    let (first, second) =
+        (u128::from(nominal.uncertainty_ppb.max(1)), u128::from(data.uncertainty_ppb.max(1)));
+    let variance = first * first + second * second;
+    if ratio > RATIO_MAX || apart_ppb * apart_ppb > 16 * variance {
+        return (nominal, data);
+    }
+    // Weights are inverse variances.
+    let mean = (u128::from(nominal.ticks_q20) * second * second
+        + u128::from(scaled) * first * first)
+        / variance;
+    let uncertainty = (first * second) / variance.isqrt().max(1);
+    let ticks_q20 = u64::try_from(mean).unwrap_or(nominal.ticks_q20);
+    let uncertainty_ppb = u32::try_from(uncertainty).unwrap_or(u32::MAX);
+    let data = BitTime { ticks_q20: ticks_q20 / ratio, uncertainty_ppb };
+    (BitTime { ticks_q20, uncertainty_ppb }, data)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bit(ticks_q20: u64, uncertainty_ppb: u32) -> BitTime {
+        BitTime { ticks_q20, uncertainty_ppb }
+    }
+
+    #[test]
+    fn bit_times_in_a_whole_ratio_sharpen_each_other() {
+        // 1000 and 4 x 250.5: 0.2 % apart, at 0.1 % each.
+        let (nominal, data) = pool(bit(1_000_000, 1_000_000), bit(250_500, 1_000_000));
+        assert_eq!((nominal.ticks_q20, data.ticks_q20), (1_001_000, 250_250));
+        // 0.1 % divided by the root of two.
+        assert!(nominal.uncertainty_ppb.abs_diff(707_107) <= 1);
+    }
+
+    #[test]
+    fn bit_times_that_do_not_agree_stay_as_they_are() {
+        let (nominal, data) = (bit(1_000_000, 1_000), bit(250_500, 1_000));
+        assert_eq!(pool(nominal, data), (nominal, data));
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Inside a frame no run is longer than six bits; before and behind it the line is recessive for
 //! ten or more. So a frame begins and ends with runs of one level that are at least one and a
-//! half times as long as any run in between. A shorter pattern of that shape occurs inside
+//! half times as long as any run of that level in between. A shorter pattern of that shape occurs inside
 //! frames, too, so several beginnings are kept until a longer run refutes them.
 
 use crate::wire::Logic;
@@ -19,8 +19,10 @@ struct Start {
     at: usize,
     /// Length of the run before.
     before: u32,
-    /// The longest run since.
-    longest: u32,
+    /// The longest run since at the level of the idle.
+    longest_idle: u32,
+    /// The longest run since at the other level.
+    longest_other: u32,
 }
 
 /// A stretch that may be a frame: `runs[at..]`, with the level of the runs around it.
@@ -41,9 +43,19 @@ pub(super) struct Segmenter<const N: usize> {
     level: Logic,
 }
 
-/// Whether a run of `long` ticks is idle beside one of `inner`.
-fn is_idle_beside(long: u32, inner: u32) -> bool {
-    u64::from(long) * 2 >= u64::from(inner) * 3
+impl Start {
+    const fn new(at: usize, before: u32) -> Self {
+        Self { at, before, longest_idle: 0, longest_other: 0 }
+    }
+
+    /// Whether a run of `run` ticks is idle beside the runs since.
+    ///
+    /// An error flag may be longer than the eleven bits of idle behind it, so less is asked
+    /// against the other level.
+    fn is_idle_beside(&self, run: u32) -> bool {
+        let run = u64::from(run);
+        run * 2 >= u64::from(self.longest_idle) * 3 && run * 4 >= u64::from(self.longest_other) * 3
+    }
 }
 
 impl<const N: usize> Segmenter<N> {
@@ -70,7 +82,7 @@ impl<const N: usize> Segmenter<N> {
             .flatten()
             .filter(|start| {
                 let count = self.len - start.at;
-                count >= RUNS_MIN && count % 2 == 1 && is_idle_beside(run, start.longest)
+                count >= RUNS_MIN && count % 2 == 1 && start.is_idle_beside(run)
             })
             .nth(skip)
             .map(|start| Candidate { at: start.at, idle: self.level, gap: run })
@@ -83,24 +95,28 @@ impl<const N: usize> Segmenter<N> {
         }
         for slot in &mut self.starts {
             if let Some(start) = slot {
-                start.longest = start.longest.max(run);
-                if !is_idle_beside(start.before, start.longest) {
+                let longest = match (self.len - start.at) % 2 {
+                    0 => &mut start.longest_other,
+                    _ => &mut start.longest_idle,
+                };
+                *longest = run.max(*longest);
+                if !start.is_idle_beside(start.before) {
                     *slot = None;
                 }
             }
         }
+        // The longest run of its level since the latest beginning may be idle itself.
+        let latest = self.starts.iter().flatten().max_by_key(|start| start.at);
+        let is_start = latest.is_none_or(|latest| {
+            let same_level = (self.len - latest.at) % 2 == 1;
+            run >= if same_level { latest.longest_idle } else { latest.longest_other }
+        });
         if let Some(slot) = self.runs.get_mut(self.len) {
             *slot = run;
             self.len += 1;
         }
-        let latest = self.starts.iter().flatten().max_by_key(|start| start.at);
-        let is_start = match latest {
-            // The run itself is the longest since; what matters is that it was not before.
-            Some(latest) => run >= latest.longest,
-            None => true,
-        };
         if is_start {
-            self.add(Start { at: self.len, before: run, longest: 0 });
+            self.add(Start::new(self.len, run));
         }
         self.level = self.level.toggled();
     }
@@ -109,7 +125,7 @@ impl<const N: usize> Segmenter<N> {
     pub(super) fn restart(&mut self, run: u32) {
         self.len = 0;
         self.starts = [None; STARTS];
-        self.add(Start { at: 0, before: run, longest: 0 });
+        self.add(Start::new(0, run));
         self.level = self.level.toggled();
     }
 

@@ -2,8 +2,7 @@
 
 use super::super::crc::{Crc, CrcKind};
 use super::super::frame::Frame;
-use super::super::item::{ErrorKind, Field, Received};
-use super::super::line::Level;
+use super::super::item::{ErrorKind, Field};
 use super::header::Format;
 use super::{Failure, Outcome, Reader, Stuffing};
 
@@ -35,17 +34,8 @@ impl Reader<'_> {
             self.nominal_bits += 1;
             (extra, level) = (bits - 1, next);
         }
-        let tail = self.tail(extra, level)?;
-        if !self.crc_right {
-            return Err(self.fail(ErrorKind::Crc, Field::Crc));
-        }
-        let received = Received {
-            frame: self.frame_of(format, length)?,
-            crc,
-            fd_crc: None,
-            acknowledged: tail.ack == Level::Dominant,
-        };
-        Ok(Outcome::Frame { received, overload: tail.overload })
+        let tail = self.tail(extra, level);
+        self.conclude(format, crc, None, tail)
     }
 
     fn classic_crc(&self, crc_at: usize) -> u32 {
@@ -55,7 +45,8 @@ impl Reader<'_> {
     }
 
     /// The frame whose header is `format` and whose data were read.
-    pub(super) fn frame_of(&self, format: Format, length: usize) -> Result<Frame, Failure> {
+    pub(super) fn frame_of(&self, format: Format) -> Result<Frame, Failure> {
+        let length = Frame::data_length(format.kind, format.dlc);
         let mut data = [0_u8; 64];
         for (index, byte) in data.iter_mut().take(length).enumerate() {
             *byte = self.plain.bits(format.data_at + 8 * index, 8) as u8;

@@ -5,7 +5,7 @@ use super::super::clock::BIT_Q20;
 use super::super::crc::Crc;
 use super::super::encode::{fd_crc_kind, stuff_count};
 use super::super::frame::Frame;
-use super::super::item::{ErrorKind, FdCrc, Field, Received};
+use super::super::item::{ErrorKind, FdCrc, Field};
 use super::super::line::Level;
 use super::classic::push_bits;
 use super::header::Format;
@@ -45,17 +45,8 @@ impl Reader<'_> {
         self.crc_compared = true;
         self.crc_right = crc == expected.value()
             && (count_bits == 0 || field.bits(0, 4) == stuff_count(self.stuff_bits));
-        let tail = self.fd_tail(end)?;
-        if !self.crc_right {
-            return Err(self.fail(ErrorKind::Crc, Field::Crc));
-        }
-        let received = Received {
-            frame: self.frame_of(format, length)?,
-            crc,
-            fd_crc: Some(self.rates.fd_crc),
-            acknowledged: tail.ack == Level::Dominant,
-        };
-        Ok(Outcome::Frame { received, overload: tail.overload })
+        let tail = self.fd_tail(end);
+        self.conclude(format, crc, Some(self.rates.fd_crc), tail)
     }
 
     /// Takes the `count` raw bits of stuff count, CRC sequence and fixed stuff bits.

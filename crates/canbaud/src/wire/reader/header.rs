@@ -34,9 +34,6 @@ impl Reader<'_> {
             Level::Dominant => (12, 14),
             Level::Recessive => (32, 33),
         };
-        if fdf == 33 && self.plain.level(12) == Level::Dominant {
-            return Err(self.fail(ErrorKind::Form, Field::Arbitration));
-        }
         self.fill(fdf + 1)?;
         match self.plain.level(fdf) {
             Level::Recessive => {

@@ -88,6 +88,8 @@ pub(crate) struct Failure {
 pub(crate) enum Outcome {
     /// A frame. If `overload`, the last bit of EOF was dominant.
     Frame { received: Received, overload: bool },
+    /// All of a frame, its CRC right, then the error flag of its sender, whom nobody acknowledged.
+    Unacknowledged { received: Received, failure: Failure },
     /// The frame switches to a data bit rate that is not known; BRS is in the run at this index.
     DataRateWanted { brs_run: usize },
     /// No frame.
@@ -118,6 +120,18 @@ pub(crate) struct Reading {
     pub(crate) nominal_bits: u32,
     /// Bits at the data rate.
     pub(crate) data_bits: u32,
+}
+
+impl Reading {
+    /// The frame, if its CRC was right and its form, too.
+    pub(crate) fn proven(&self) -> Option<Received> {
+        match self.outcome {
+            Outcome::Frame { received, .. } | Outcome::Unacknowledged { received, .. } => {
+                Some(received)
+            }
+            Outcome::DataRateWanted { .. } | Outcome::Failed(_) => None,
+        }
+    }
 }
 
 /// Reads `activity` at `rates`.
@@ -228,6 +242,30 @@ impl<'a> Reader<'a> {
             header::Header::Classic(format) => self.classic(format),
             header::Header::Fd(format) => self.fd(format),
             header::Header::DataRateWanted { brs_run } => Ok(Outcome::DataRateWanted { brs_run }),
+        }
+    }
+
+    /// The outcome once CRC and tail are read.
+    fn conclude(
+        &self,
+        format: header::Format,
+        crc: u32,
+        fd_crc: Option<FdCrc>,
+        tail: Result<tail::Tail, Failure>,
+    ) -> Result<Outcome, Failure> {
+        let received = |ack| -> Result<Received, Failure> {
+            let frame = self.frame_of(format)?;
+            Ok(Received { frame, crc, fd_crc, acknowledged: ack == Level::Dominant })
+        };
+        match tail {
+            Ok(_) if !self.crc_right => Err(self.fail(ErrorKind::Crc, Field::Crc)),
+            Ok(tail) => {
+                Ok(Outcome::Frame { received: received(tail.ack)?, overload: tail.overload })
+            }
+            Err(failure) if failure.kind == ErrorKind::Acknowledge => {
+                Ok(Outcome::Unacknowledged { received: received(Level::Recessive)?, failure })
+            }
+            Err(failure) => Err(failure),
         }
     }
 
