@@ -184,14 +184,16 @@ impl Sheet {
         };
         let (rate_width, offset_width) = (width(0), width(1));
         for (label, rate, [measured, offset]) in &rows {
-            let mut value = format!(
+            let value = format!(
                 "{measured:>rate_width$} bit/s   {offset:>offset_width$} ppm of {}",
                 bitrate(rate.bitrate)
             );
-            if let Some(user) = rate.known_as {
-                let _ = write!(value, "   {}", self.paint.dim(user));
-            }
             self.line(label, &value);
+            if let Some(users) = rate.known_as {
+                let lines = wrap(users, WIDTH - LABEL);
+                let users: Vec<String> = lines.iter().map(|line| self.paint.dim(line)).collect();
+                users.iter().for_each(|line| self.line("", line));
+            }
         }
         if let (Some(wanted), Some(rate)) = (expected, &report.nominal) {
             let wanted = wanted.bits_per_second();
@@ -228,29 +230,39 @@ impl Sheet {
     }
 
     fn caveats(&mut self, report: &ChannelReport) {
-        for caveat in &report.caveats {
+        if !report.caveats.is_empty() {
             self.text.push('\n');
+        }
+        for caveat in &report.caveats {
             let mark = self.paint.warn("!");
             let lines = wrap(&caveat.text, WIDTH - 4);
             let _ = writeln!(self.text, "  {mark} {}", lines.join("\n    "));
         }
     }
 
-    /// The other channels: the silent ones in one line.
+    /// The other channels: those without a rate in one line per verdict.
     fn others(&mut self, others: &[ChannelReport]) {
         if others.is_empty() {
             return;
         }
         self.text.push('\n');
-        let (silent, busy): (Vec<&ChannelReport>, Vec<_>) =
-            others.iter().partition(|report| report.outcome == Outcome::NoTraffic);
-        for report in busy {
-            self.line("also", &format!("{}: {}", printable(&report.channel), headline(report)));
+        for report in others {
+            if matches!(report.outcome, Outcome::Found | Outcome::Conflict) {
+                self.line("also", &format!("{}: {}", printable(&report.channel), headline(report)));
+            }
         }
-        if !silent.is_empty() {
-            let names: Vec<String> =
-                silent.iter().map(|report| printable(&report.channel)).collect();
-            self.line("no traffic", &names.join(", "));
+        for (label, outcome) in
+            [("undecided", Outcome::Undecided), ("no traffic", Outcome::NoTraffic)]
+        {
+            let names: Vec<String> = others
+                .iter()
+                .filter(|report| report.outcome == outcome)
+                .map(|report| printable(&report.channel))
+                .collect();
+            if !names.is_empty() {
+                let lines = wrap(&names.join(", "), WIDTH - LABEL);
+                self.line(label, &lines.join(&format!("\n{:1$}", "", LABEL + 2)));
+            }
         }
     }
 }
