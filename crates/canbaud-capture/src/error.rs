@@ -3,8 +3,8 @@
 use core::fmt;
 use std::io;
 
-use crate::capture::Channel;
 use crate::Format;
+use crate::capture::Channel;
 
 /// Where in a file something is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]

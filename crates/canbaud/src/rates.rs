@@ -64,7 +64,11 @@ const NOMINAL: &[KnownRate] = &[
     KnownRate::new(50_000, 1, "CANopen (CiA 301)"),
     KnownRate::new(62_500, 1, "industrial, vehicle body"),
     KnownRate::new(80_000, 1, "industrial, older devices"),
-    KnownRate::new(250_000, 3, "vehicle interior, single-wire CAN high speed (SAE J2411), ARINC 825"),
+    KnownRate::new(
+        250_000,
+        3,
+        "vehicle interior, single-wire CAN high speed (SAE J2411), ARINC 825",
+    ),
     KnownRate::new(2_000_000, 21, "vehicle interior at 95.238k"),
     KnownRate::new(100_000, 1, "CANopen (older tables), vehicle comfort bus"),
     KnownRate::new(125_000, 1, "CANopen (CiA 301), DeviceNet, ISO 11992, ARINC 825"),

@@ -26,9 +26,8 @@ pub(super) fn of(
         traffic(report, judge, &mut caveats);
         signal(report, channel, &mut caveats);
     }
-    caveats.extend(
-        notes.iter().map(|note| Caveat { code: "capture_file", text: format!("{note}.") }),
-    );
+    caveats
+        .extend(notes.iter().map(|note| Caveat { code: "capture_file", text: format!("{note}.") }));
     caveats
 }
 
@@ -124,7 +123,8 @@ fn signal(report: &ChannelReport, channel: &Channel, caveats: &mut Vec<Caveat>) 
         && asymmetry.abs() > ASYMMETRY_SHARE * bit_ns
         && !super::conclude::is_difference(channel)
     {
-        let (longer, by) = if asymmetry > 0.0 { ("longer", asymmetry) } else { ("shorter", -asymmetry) };
+        let (longer, by) =
+            if asymmetry > 0.0 { ("longer", asymmetry) } else { ("shorter", -asymmetry) };
         add(
             caveats,
             "asymmetry",

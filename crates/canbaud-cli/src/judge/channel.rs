@@ -12,8 +12,10 @@ use super::known;
 const RUNS: usize = 1024;
 /// Edges kept while the rate is sought, so that no frame is lost: 256 KiB a channel.
 const KEPT_EDGES: usize = 1 << 15;
-/// Frames that make the bit time precise enough to decode at.
+/// Frames that make rate and polarity sure enough to decode.
 const FRAMES_TO_START: u32 = 16;
+/// Uncertainty of the bit time at which the last bit of the longest frame is still in place.
+const UNCERTAINTY_TO_START_PPB: u32 = 100_000;
 
 /// An unbroken stretch of recording.
 #[derive(Debug, Clone)]
@@ -172,6 +174,7 @@ impl ChannelJudge {
                 }
                 if let Verdict::Found(found) = detector.verdict()
                     && found.proven_frames >= FRAMES_TO_START
+                    && found.nominal.uncertainty_ppb <= UNCERTAINTY_TO_START_PPB
                 {
                     self.start_decoding(sink);
                 }

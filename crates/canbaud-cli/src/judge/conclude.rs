@@ -87,7 +87,8 @@ pub(super) fn report(
         asymmetry_ns: nominal.map(|_| scale.seconds(asymmetry) * 1e9),
         clock_spread_ppm: evidence.clock_spread_ppm(),
         samples_per_bit: bit_s.map(|bit| {
-            bit / scale.seconds(channel.resolution_ticks as f64 / f64::from(1 << scale.shift.min(30)))
+            bit / scale
+                .seconds(channel.resolution_ticks as f64 / f64::from(1 << scale.shift.min(30)))
         }),
         duration_s,
         edges: judge.facts.edges,
