@@ -12,3 +12,8 @@ pub mod detect;
 pub mod rates;
 pub mod units;
 pub mod wire;
+
+/// The examples of the README compile.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
