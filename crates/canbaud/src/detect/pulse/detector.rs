@@ -20,7 +20,7 @@ const FINE_TICKS_Q20: u64 = 4 << 20;
 /// A nominal bit time less certain than 1.2 % is no answer: rates in use lie 1.6 % apart.
 const UNCERTAINTY_MAX_PPB: u32 = 12_000_000;
 /// The same for frames with a data phase, whose nominal part is short.
-const SWITCHED_UNCERTAINTY_MAX_PPB: u32 = 6_000_000;
+const SWITCHED_UNCERTAINTY_MAX_PPB: u32 = 5_000_000;
 /// Two bit times closer than this share of one another are the same rate: 1/64.
 const SAME_RATE_SHIFT: u32 = 6;
 
@@ -190,8 +190,8 @@ impl ProvenRates {
 
     /// Enters a proof with the rate that it is for.
     fn enter(&mut self, proof: &Proof, activity: Activity<'_>, polarity: Polarity) {
-        let fitted = proof.reading.nominal.fit().ticks_q20();
-        let bit_q20 = fitted.unwrap_or(proof.rates.nominal.ticks_q20());
+        let fitted = proof.attempt.reading.nominal.fit().ticks_q20();
+        let bit_q20 = fitted.unwrap_or(proof.attempt.rates.nominal.ticks_q20());
         let same = self.iter_mut().find(|rate| {
             let known = rate.rates.nominal.ticks_q20();
             rate.polarity == polarity && known.abs_diff(bit_q20) <= known >> SAME_RATE_SHIFT
@@ -224,7 +224,7 @@ impl<const N: usize> Default for PulseDetector<N> {
 impl Rate {
     fn new(proof: &Proof, activity: Activity<'_>, polarity: Polarity) -> Self {
         let mut rate = Self {
-            rates: proof.rates,
+            rates: proof.attempt.rates,
             polarity,
             nominal: Measurement::default(),
             data: Measurement::default(),
@@ -261,19 +261,19 @@ impl Rate {
         }
         self.last_frame = hash;
         self.proven = self.proven.saturating_add(1);
-        self.nominal.add(&proof.reading.nominal);
+        self.nominal.add(&proof.attempt.reading.nominal);
         if proof.received.fd_crc.is_some() {
             self.fd_frames = self.fd_frames.saturating_add(1);
-            self.rates.fd_crc = proof.rates.fd_crc;
+            self.rates.fd_crc = proof.attempt.rates.fd_crc;
         }
-        if proof.reading.brs_run.is_some() {
-            self.data.add(&proof.reading.data);
-            self.rates.data = proof.rates.data;
+        if proof.attempt.reading.brs_run.is_some() {
+            self.data.add(&proof.attempt.reading.data);
+            self.rates.data = proof.attempt.rates.data;
         }
         if self.proven == 1
             && let Some(bit) = self.nominal.bit_time()
         {
-            let places = Places::nominal(activity, proof);
+            let places = Places::nominal(activity, &proof.attempt);
             let noise = Stray::of(&places, bit.ticks_q20).variance_q20;
             self.nominal.set_noise(noise);
             self.data.set_noise(noise);
@@ -282,7 +282,7 @@ impl Rate {
             }
         }
         if self.data.frames() == 1
-            && let Some(places) = Places::data(activity, proof)
+            && let Some(places) = Places::data(activity, &proof.attempt)
             && let Some(interval) = interval::of(&places)
         {
             self.data.set_interval(&interval);

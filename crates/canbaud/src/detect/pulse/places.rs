@@ -1,6 +1,6 @@
-//! The edges of a proven frame with their bit numbers.
+//! The edges of a frame that was read, with their bit numbers.
 
-use super::prove::Proof;
+use super::prove::Attempt;
 use crate::wire::Level;
 use crate::wire::clock::BitClock;
 use crate::wire::reader::Activity;
@@ -33,22 +33,22 @@ pub(super) struct Places {
 
 impl Places {
     /// The edges at the nominal bit rate, up to the end of the CRC or to BRS.
-    pub(super) fn nominal(activity: Activity<'_>, proof: &Proof) -> Self {
-        let end = proof.reading.brs_run.unwrap_or(proof.reading.crc_run);
+    pub(super) fn nominal(activity: Activity<'_>, attempt: &Attempt) -> Self {
+        let end = attempt.reading.brs_run.unwrap_or(attempt.reading.crc_run);
         let runs = activity.runs.get(..end).unwrap_or(&[]);
-        Self::count(runs, proof, proof.rates.nominal, proof.placement.sof_error_q20)
+        Self::count(runs, attempt, attempt.rates.nominal, attempt.placement.sof_error_q20)
     }
 
     /// The edges at the data bit rate; `None` if the frame did not switch.
-    pub(super) fn data(activity: Activity<'_>, proof: &Proof) -> Option<Self> {
-        let runs = activity.runs.get(proof.reading.brs_run? + 1..proof.reading.crc_run)?;
-        Some(Self::count(runs, proof, proof.rates.data?.clock, 0))
+    pub(super) fn data(activity: Activity<'_>, attempt: &Attempt) -> Option<Self> {
+        let runs = activity.runs.get(attempt.reading.brs_run? + 1..attempt.reading.crc_run)?;
+        Some(Self::count(runs, attempt, attempt.rates.data?.clock, 0))
     }
 
     /// Counts as the reader did that read the frame.
-    fn count(runs: &[u32], proof: &Proof, clock: BitClock, first_error_q20: i32) -> Self {
-        let late = clock.signed_bits_q20(proof.rates.late_ticks_q20);
-        let mut sync = Sync::new(proof.placement.pace, clock, late, first_error_q20);
+    fn count(runs: &[u32], attempt: &Attempt, clock: BitClock, first_error_q20: i32) -> Self {
+        let late = clock.signed_bits_q20(attempt.rates.late_ticks_q20);
+        let mut sync = Sync::new(attempt.placement.pace, clock, late, first_error_q20);
         let mut here = Place { ticks: 0, bits: 0 };
         let mut places = [here; EDGES_MAX];
         let mut count = 1;

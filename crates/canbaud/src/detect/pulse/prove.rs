@@ -45,18 +45,40 @@ impl Proposals {
     }
 }
 
-/// A frame that was read with its CRC right, and at which rates.
+/// A frame that was read with its CRC right and its edges on the grid.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Proof {
-    pub(super) rates: Rates,
+    pub(super) attempt: Attempt,
     pub(super) received: Received,
-    pub(super) reading: Reading,
-    pub(super) placement: Placement,
     /// Readings whose CRC was compared until one was right.
     pub(super) compared: u32,
 }
 
-impl Proof {
+/// One reading, and how it was made.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Attempt {
+    pub(super) rates: Rates,
+    pub(super) placement: Placement,
+    pub(super) reading: Reading,
+}
+
+impl Attempt {
+    pub(super) fn new(activity: Activity<'_>, rates: Rates, placement: Placement) -> Self {
+        Self { rates, placement, reading: read(activity, &rates, placement) }
+    }
+
+    /// The proof, if the edges lie on the grid and the CRC is right.
+    ///
+    /// Each CRC compared where the edges lie on the grid was one chance to be right by accident.
+    pub(super) fn proof(self, activity: Activity<'_>, compared: &mut u32) -> Option<Proof> {
+        if !self.reading.crc_compared || !self.lies_on_grid(activity) {
+            return None;
+        }
+        *compared += 1;
+        let received = self.reading.proven()?;
+        Some(Proof { attempt: self, received, compared: *compared })
+    }
+
     /// Whether the nominal edges lie where those of a bus do.
     fn lies_on_grid(&self, activity: Activity<'_>) -> bool {
         // The fitted bit time, because the proposed one may drift off over the frame.
@@ -83,8 +105,14 @@ pub(super) fn prove(activity: Activity<'_>, before: u32, compared: &mut u32) -> 
     })
 }
 
-fn first_right(activity: Activity<'_>, proposals: &Proposals, compared: &mut u32) -> Option<Proof> {
-    proposals.iter().find_map(|bit_q20| {
+fn first_right(
+    activity: Activity<'_>,
+    idle_q20: u64,
+    proposals: &Proposals,
+    compared: &mut u32,
+) -> Option<Proof> {
+    let fitting = |bit_q20: &u64| idle_q20 >= bit_q20 * IDLE_BITS_MIN;
+    proposals.iter().filter(fitting).find_map(|bit_q20| {
         let nominal = BitClock::new(bit_q20)?;
         let rates = Rates { nominal, data: None, fd_crc: FdCrc::Iso, late_ticks_q20: 0 };
         prove_at(activity, &rates, compared)
@@ -94,31 +122,20 @@ fn first_right(activity: Activity<'_>, proposals: &Proposals, compared: &mut u32
 /// Reads `activity` at `rates` in every placement; finds the data rate if the frame asks for it.
 pub(super) fn prove_at(activity: Activity<'_>, rates: &Rates, compared: &mut u32) -> Option<Proof> {
     for placement in placements(activity, rates) {
-        let reading = read(activity, rates, placement);
-        *compared += u32::from(reading.crc_compared);
-        match reading.outcome {
-            Outcome::Frame { received, .. } | Outcome::Unacknowledged { received, .. } => {
-                let (rates, compared) = (*rates, *compared);
-                let proof = Proof { rates, received, reading, placement, compared };
-                if proof.lies_on_grid(activity) {
-                    return Some(proof);
-                }
+        let attempt = Attempt::new(activity, *rates, placement);
+        if let Some(proof) = attempt.proof(activity, compared) {
+            return Some(proof);
+        }
+        if let Outcome::DataRateWanted { brs_run } = attempt.reading.outcome {
+            if let Some(proof) = data_rate::prove(activity, rates, brs_run, compared) {
+                return Some(proof);
             }
-            Outcome::DataRateWanted { brs_run } => {
-                if let Some(proof) = data_rate::prove(activity, rates, brs_run, compared) {
-                    return Some(proof);
-                }
+        } else if attempt.reading.is_fd && rates.data.is_none() {
+            let rates = Rates { fd_crc: FdCrc::NonIso, ..*rates };
+            let attempt = Attempt::new(activity, rates, placement);
+            if let Some(proof) = attempt.proof(activity, compared) {
+                return Some(proof);
             }
-            Outcome::Failed(_) if reading.is_fd && rates.data.is_none() => {
-                let rates = Rates { fd_crc: FdCrc::NonIso, ..*rates };
-                let reading = read(activity, &rates, placement);
-                *compared += u32::from(reading.crc_compared);
-                if let Some(received) = reading.proven() {
-                    let compared = *compared;
-                    return Some(Proof { rates, received, reading, placement, compared });
-                }
-            }
-            Outcome::Failed(_) => {}
         }
     }
     None
