@@ -3,6 +3,7 @@
 use canbaud_capture::Channel;
 
 use super::channel::ChannelJudge;
+use crate::output::count;
 use crate::report::{Caveat, ChannelReport, Outcome};
 
 /// Below this, a bit time rests on few ticks.
@@ -59,9 +60,9 @@ fn traffic(report: &ChannelReport, judge: &ChannelJudge, caveats: &mut Vec<Cavea
             caveats,
             "data_rate_unknown",
             format!(
-                "{} CAN FD frames switch to a data bit rate that could not be found: sample \
-                 faster, at least three times the data bit rate.",
-                judge.evidence.data_rate_unknown
+                "The data bit rate of {} could not be found: sample faster, at least three times \
+                 the data bit rate.",
+                count(judge.evidence.data_rate_unknown, "CAN FD frame", "CAN FD frames")
             ),
         );
     }
@@ -79,8 +80,9 @@ fn traffic(report: &ChannelReport, judge: &ChannelJudge, caveats: &mut Vec<Cavea
             caveats,
             "missing_acknowledge",
             format!(
-                "{silent} frames were not acknowledged: no second active node at this rate is on \
-                 the bus, or only the sender's TXD was recorded."
+                "{} not acknowledged: no second active node at this rate is on \
+                 the bus, or only the sender's TXD was recorded.",
+                count(silent, "frame was", "frames were")
             ),
         );
     }
@@ -90,7 +92,8 @@ fn traffic(report: &ChannelReport, judge: &ChannelJudge, caveats: &mut Vec<Cavea
             caveats,
             "error_frames",
             format!(
-                "{errors} destroyed frames: a node at another rate, wiring, termination or noise."
+                "{}: a node at another rate, wiring, termination or noise.",
+                count(errors, "destroyed frame", "destroyed frames")
             ),
         );
     }

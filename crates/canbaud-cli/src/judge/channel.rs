@@ -9,7 +9,7 @@ use super::evidence::{Counting, Evidence};
 use super::known;
 
 /// Runs that a frame may have: the longest CAN FD frame has under 700.
-const RUNS: usize = 1024;
+pub(super) const RUNS: usize = 1024;
 /// Edges kept while the rate is sought, so that no frame is lost: 256 KiB a channel.
 const KEPT_EDGES: usize = 1 << 15;
 /// Frames that make rate and polarity sure enough to decode.
@@ -114,6 +114,25 @@ impl ChannelJudge {
     /// How many bits to the right the ticks of the capture are shifted.
     pub(super) const fn shift(&self) -> u32 {
         self.shift
+    }
+
+    /// Whether so many frames are destroyed that another rate may be on the line.
+    pub(super) fn has_many_errors(&self) -> bool {
+        let counts = &self.evidence.counts;
+        let errors = counts.error.saturating_sub(self.evidence.acknowledge_errors);
+        self.timing.is_some() && self.given.is_none() && errors >= 4 && 8 * errors >= counts.good()
+    }
+
+    /// Takes what a detector said that saw the whole line.
+    pub(super) fn note_rival(&mut self, verdict: Verdict) {
+        if matches!(verdict, Verdict::Conflict { .. }) {
+            self.verdict = Some(verdict);
+        }
+    }
+
+    /// Whether the rate is the user's word.
+    pub(super) const fn is_given(&self) -> bool {
+        self.given.is_some()
     }
 
     /// Whether a rate was found only after the first edges were let go.

@@ -54,11 +54,15 @@ pub(super) fn report(
     let scale = Scale { timebase, shift: judge.shift() };
     let evidence = &judge.evidence;
     let good = evidence.counts.good();
-    let (nominal, data) = measured(judge);
+    let (nominal, data) = match (judge.is_given(), good) {
+        (true, 0) => (None, None),
+        _ => measured(judge),
+    };
     let outcome = match judge.verdict() {
         Some(Verdict::Conflict { .. }) => Outcome::Conflict,
-        Some(Verdict::Found(_)) if good > 0 || nominal.is_some() => Outcome::Found,
         _ if good > 0 => Outcome::Found,
+        // One frame that nobody acknowledged is no frame to a receiver, but proves the rate.
+        Some(Verdict::Found(_)) if !judge.is_given() => Outcome::Found,
         _ if judge.facts.edges == 0 => Outcome::NoTraffic,
         _ => Outcome::Undecided,
     };
@@ -76,11 +80,11 @@ pub(super) fn report(
         channel: channel.name.clone(),
         inverted: judge.polarity() == Some(Polarity::Inverted),
         outcome,
-        need: (outcome == Outcome::Undecided).then(|| need(judge, shortest, duration_s)),
+        need: (outcome == Outcome::Undecided).then(|| need(judge, scale, shortest, duration_s)),
         nominal: nominal.and_then(|bit| scale.rate(bit, rates::nominal())),
         data: data.and_then(|bit| scale.rate(bit, rates::data())),
         other,
-        proven_frames: good.max(proven(judge)),
+        proven_frames: if judge.is_given() { good } else { good.max(proven(judge)) },
         frames: evidence.counts,
         error_probability: error_probability(judge),
         bus_load: if duration_s > 0.0 { (busy / duration_s).min(1.0) } else { 0.0 },
@@ -139,12 +143,16 @@ fn error_probability(judge: &ChannelJudge) -> f64 {
 }
 
 /// What an undecided channel lacks.
-fn need(judge: &ChannelJudge, shortest_s: Option<f64>, duration_s: f64) -> String {
+fn need(judge: &ChannelJudge, scale: Scale, shortest_s: Option<f64>, duration_s: f64) -> String {
     let coarse = judge.facts.shortest.is_some_and(|ticks| ticks <= 2);
     // The longest classic frame has about 150 bits; the shortest run is one bit, or a tick of it.
     let frame_s = shortest_s.map_or(0.0, |bit| 160.0 * bit);
     match judge.verdict() {
-        _ if judge.timing().is_some() => {
+        Some(Verdict::Found(found)) if judge.is_given() => format!(
+            "no frame fits the given bit rate; the edges prove {:.0} bit/s",
+            scale.rate(found.nominal, rates::nominal()).map_or(0.0, |rate| rate.measured)
+        ),
+        _ if judge.is_given() => {
             "no frame fits the given bit rate: leave it out to have it found".to_owned()
         }
         Some(Verdict::Undecided(Need::AnotherFrame)) => {

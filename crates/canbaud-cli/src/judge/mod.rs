@@ -2,13 +2,15 @@
 //!
 //! `channel` follows one line: it feeds the edges to the detector until a rate is proven, then to
 //! the decoder, without losing those in between. `evidence` counts what the decoder finds.
-//! `conclude` turns both into a report, `caveats` adds what a person should know.
+//! `rival` looks for a second rate on a line with many errors.
+//! `conclude` turns all of it into a report, `caveats` adds what a person should know.
 
 mod caveats;
 mod channel;
 mod conclude;
 mod evidence;
 mod known;
+mod rival;
 mod sink;
 
 use std::ops::ControlFlow;
@@ -19,6 +21,7 @@ use canbaud_capture::{Capture, CaptureError};
 
 use crate::report::ChannelReport;
 use channel::ChannelJudge;
+use rival::{AllLines, RivalSeeker};
 use sink::{AllChannels, OneChannel, Probe};
 
 /// What the user knows already.
@@ -57,6 +60,7 @@ pub(crate) fn detect(
         }
         capture.stream(&mut AllChannels { judges: &mut judges, progress })?;
     }
+    seek_rivals(capture, &wanted, &mut judges)?;
     let channels = capture.channels();
     let mut reports: Vec<ChannelReport> = wanted
         .iter()
@@ -67,6 +71,33 @@ pub(crate) fn detect(
         .collect();
     reports.sort_by_key(|report| core::cmp::Reverse(conclude::rank(report)));
     Ok(reports)
+}
+
+/// Where many frames are destroyed at the rate found, another rate is sought on the same line.
+fn seek_rivals(
+    capture: &mut Capture,
+    wanted: &[usize],
+    judges: &mut [ChannelJudge],
+) -> Result<(), CaptureError> {
+    for judge in judges.iter_mut() {
+        judge.conclude(&mut |_| {});
+    }
+    let suspects: Vec<usize> = wanted
+        .iter()
+        .copied()
+        .filter(|&channel| judges.get(channel).is_some_and(ChannelJudge::has_many_errors))
+        .collect();
+    if suspects.is_empty() {
+        return Ok(());
+    }
+    capture.select(&suspects);
+    let mut seekers: Vec<RivalSeeker> =
+        judges.iter().map(|judge| RivalSeeker::new(judge.shift())).collect();
+    capture.stream(&mut AllLines { lines: &mut seekers })?;
+    for (judge, seeker) in judges.iter_mut().zip(&seekers) {
+        judge.note_rival(seeker.verdict());
+    }
+    Ok(())
 }
 
 /// Decodes the channel that carries the bus (or `options.channel`); items go to `sink` in time

@@ -5,6 +5,7 @@ mod candump;
 mod digits;
 mod frames_json;
 mod number;
+pub(crate) use number::count;
 mod paint;
 mod pcapng;
 mod report_json;

@@ -89,7 +89,7 @@ pub(super) fn bound(probability: f64) -> String {
 }
 
 /// `1 frame`, `2 frames`.
-pub(super) fn count(value: u64, one: &str, many: &str) -> String {
+pub(crate) fn count(value: u64, one: &str, many: &str) -> String {
     format!("{} {}", thousands(value), if value == 1 { one } else { many })
 }
 
