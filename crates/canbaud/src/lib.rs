@@ -1,11 +1,13 @@
 //! canbaud finds the bit rate of any CAN or CAN FD bus, proves it, and never disturbs the bus.
 //!
-//! Reading order: [`units`] (every quantity has a type), [`wire`] (edges, bits, frames).
+//! Reading order: [`units`] (every quantity has a type), [`wire`] (edges, bits, frames),
+//! [`timing`] (bit timing of controllers).
 #![no_std]
 #![forbid(unsafe_code)]
 
 #[cfg(test)]
 extern crate std;
 
+pub mod timing;
 pub mod units;
 pub mod wire;

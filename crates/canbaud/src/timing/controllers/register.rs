@@ -1,0 +1,416 @@
+//! One register: its fields, and the way between real values and the stored word.
+
+use super::draft::Draft;
+use super::{Configuration, Phase, RegisterError};
+use crate::timing::BitTiming;
+
+/// A register as the data sheet lays it out.
+#[derive(Debug, Clone, Copy)]
+pub struct Register {
+    /// Name in the data sheet.
+    pub name: &'static str,
+    /// Offset or address; `None` where it depends on the channel or is not known.
+    pub offset: Option<u32>,
+    /// Width in bits: 8, 16 or 32.
+    pub bits: u8,
+    /// Fields; a bit in none of them is reserved and 0.
+    pub fields: &'static [Field],
+    /// Extra factors of the prescaler (DIV8 and the like), held in a field of their own.
+    pub scale: Scale,
+}
+
+/// Factors by which a controller can multiply its prescaler field.
+#[derive(Debug, Clone, Copy)]
+pub struct Scale {
+    /// The factors; the stored value is the index.
+    pub factors: &'static [u16],
+    /// Highest prescaler without a factor.
+    pub base_max: u16,
+}
+
+impl Scale {
+    /// No extra factor.
+    pub const ONE: Self = Self { factors: &[1], base_max: u16::MAX };
+
+    /// The prescaler without its factor, and the index of the smallest factor that makes it fit.
+    const fn divide(&self, prescaler: u16) -> Option<(u16, u32)> {
+        let mut index = 0;
+        let mut rest = self.factors;
+        while let Some((factor, others)) = rest.split_first() {
+            if *factor != 0 && prescaler.is_multiple_of(*factor) {
+                let base = prescaler / *factor;
+                if base <= self.base_max {
+                    return Some((base, index));
+                }
+            }
+            index += 1;
+            rest = others;
+        }
+        None
+    }
+}
+
+/// A named field of a register.
+#[derive(Debug, Clone, Copy)]
+pub struct Field {
+    /// Name in the data sheet's sense, lower case.
+    pub name: &'static str,
+    /// Lowest bit.
+    pub lsb: u8,
+    /// Number of bits.
+    pub width: u8,
+    /// What it holds.
+    pub content: Content,
+    /// How the value is stored.
+    pub encoding: Encoding,
+    /// Bits of the whole stored value; more than `width` where it is split over two fields.
+    pub value_bits: u8,
+    /// Lowest bit of the whole stored value that this field holds.
+    pub shift: u8,
+}
+
+/// What a field holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Content {
+    /// A part of the bit timing of a phase.
+    Timing(Phase, Part),
+    /// Transmitter delay compensation offset of a phase.
+    TdcOffset(Phase),
+    /// Says whether TDC is on.
+    TdcMode {
+        /// The phase.
+        phase: Phase,
+        /// Stored when it is on.
+        on: u32,
+        /// Stored when it is off.
+        off: u32,
+    },
+    /// 1 when the phase is configured.
+    Enable(Phase),
+    /// A part of the PWM coding.
+    Pwm(PwmPart),
+    /// Must have this value.
+    Constant(u32),
+    /// No bit timing: packed as 0, anything accepted when unpacking.
+    Other,
+}
+
+/// A part of a bit timing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Prescaler without its extra factor.
+    Prescaler,
+    /// Index of the extra factor of the prescaler.
+    PrescalerScale,
+    /// PROP_SEG.
+    PropSeg,
+    /// PHASE_SEG1.
+    PhaseSeg1,
+    /// PROP_SEG + PHASE_SEG1.
+    Tseg1,
+    /// PHASE_SEG2.
+    Tseg2,
+    /// SJW.
+    Sjw,
+}
+
+/// A part of the PWM coding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PwmPart {
+    /// Short part.
+    Short,
+    /// Long part.
+    Long,
+    /// Offset.
+    Offset,
+}
+
+/// How a value is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Encoding {
+    /// As it is.
+    Raw,
+    /// Minus one.
+    MinusOne,
+    /// Minus two.
+    MinusTwo,
+    /// Half of it, minus one.
+    HalfMinusOne,
+    /// Two's complement in the width of the field.
+    Signed,
+}
+
+impl Encoding {
+    /// The stored form; `None` for a value that has none.
+    const fn encode(self, value: i32, width: u8) -> Option<u32> {
+        let stored = match self {
+            Self::Raw => value,
+            Self::MinusOne => value - 1,
+            Self::MinusTwo => value - 2,
+            Self::HalfMinusOne if value % 2 != 0 => return None,
+            Self::HalfMinusOne => value / 2 - 1,
+            Self::Signed => {
+                let half = 1_i32 << (width - 1);
+                if value < -half || value >= half {
+                    return None;
+                }
+                value & (2 * half - 1)
+            }
+        };
+        if stored < 0 { None } else { Some(stored as u32) }
+    }
+
+    /// The real value of a stored one.
+    pub(super) const fn decode(self, stored: u32, width: u8) -> i32 {
+        // No field is wider than 16 bits, so nothing here overflows.
+        let stored = stored as i32;
+        match self {
+            Self::Raw => stored,
+            Self::MinusOne => stored + 1,
+            Self::MinusTwo => stored + 2,
+            Self::HalfMinusOne => (stored + 1) * 2,
+            Self::Signed if stored >> (width - 1) != 0 => stored - (1 << width),
+            Self::Signed => stored,
+        }
+    }
+}
+
+impl Field {
+    /// A field that holds a part of the bit timing of `phase`.
+    #[must_use]
+    pub const fn timing(
+        name: &'static str,
+        (lsb, width): (u8, u8),
+        (phase, part): (Phase, Part),
+        encoding: Encoding,
+    ) -> Self {
+        Self {
+            name,
+            lsb,
+            width,
+            content: Content::Timing(phase, part),
+            encoding,
+            value_bits: width,
+            shift: 0,
+        }
+    }
+
+    /// A field with other content, stored as it is.
+    #[must_use]
+    pub const fn other(name: &'static str, (lsb, width): (u8, u8), content: Content) -> Self {
+        Self { name, lsb, width, content, encoding: Encoding::Raw, value_bits: width, shift: 0 }
+    }
+
+    /// With another encoding.
+    #[must_use]
+    pub const fn encoded(mut self, encoding: Encoding) -> Self {
+        self.encoding = encoding;
+        self
+    }
+
+    /// Holds the bits from `shift` on of a stored value of `value_bits` bits.
+    #[must_use]
+    pub const fn part_of(mut self, value_bits: u8, shift: u8) -> Self {
+        self.value_bits = value_bits;
+        self.shift = shift;
+        self
+    }
+
+    /// The bits of this field in the register.
+    #[must_use]
+    pub const fn mask(&self) -> u32 {
+        (((1_u64 << self.width) - 1) << self.lsb) as u32
+    }
+
+    /// The stored value of this field in `word`.
+    #[must_use]
+    pub const fn stored(&self, word: u32) -> u32 {
+        (word & self.mask()) >> self.lsb
+    }
+
+    /// The real value of this field in `word`; `None` where another field holds the rest of it.
+    #[must_use]
+    pub const fn value(&self, word: u32) -> Option<i32> {
+        if self.value_bits > self.width {
+            return None;
+        }
+        Some(self.encoding.decode(self.stored(word), self.width))
+    }
+
+    /// The phase that this field is about.
+    #[must_use]
+    pub const fn phase(&self) -> Option<Phase> {
+        match self.content {
+            Content::Timing(phase, _)
+            | Content::TdcOffset(phase)
+            | Content::TdcMode { phase, .. }
+            | Content::Enable(phase) => Some(phase),
+            Content::Pwm(_) => Some(Phase::Xl),
+            Content::Constant(_) | Content::Other => None,
+        }
+    }
+}
+
+impl Register {
+    /// A register without an extra prescaler factor.
+    #[must_use]
+    pub const fn new(
+        name: &'static str,
+        offset: Option<u32>,
+        bits: u8,
+        fields: &'static [Field],
+    ) -> Self {
+        Self { name, offset, bits, fields, scale: Scale::ONE }
+    }
+
+    /// With extra prescaler factors.
+    #[must_use]
+    pub const fn with_scale(mut self, scale: Scale) -> Self {
+        self.scale = scale;
+        self
+    }
+
+    /// Whether a configuration puts anything into this register.
+    #[must_use]
+    pub const fn is_used_by(&self, configuration: &Configuration) -> bool {
+        let mut rest = self.fields;
+        while let Some((field, others)) = rest.split_first() {
+            if let Some(phase) = field.phase()
+                && configuration.phase(phase).is_some()
+            {
+                return true;
+            }
+            rest = others;
+        }
+        false
+    }
+
+    /// The word to write for a configuration. Bits that are not about timing are 0.
+    ///
+    /// ```
+    /// use canbaud::timing::{controllers::{c167, Configuration}, BitTiming};
+    /// let timing = BitTiming { prescaler: 1, prop_seg: 5, phase_seg1: 2, phase_seg2: 2, sjw: 1 };
+    /// assert_eq!(c167::BTR.pack(&Configuration::classic(timing)), Ok(0x1600)); // [AP2925 table 1]
+    /// ```
+    ///
+    /// # Errors
+    /// [`RegisterError::Field`] names the field, the value and what fits; nothing is masked.
+    pub const fn pack(&self, configuration: &Configuration) -> Result<u32, RegisterError> {
+        let mut word = 0;
+        let mut rest = self.fields;
+        while let Some((field, others)) = rest.split_first() {
+            match self.pack_field(field, configuration) {
+                Ok(stored) => word |= stored << field.lsb,
+                Err(error) => return Err(error),
+            }
+            rest = others;
+        }
+        Ok(word)
+    }
+
+    const fn pack_field(
+        &self,
+        field: &Field,
+        configuration: &Configuration,
+    ) -> Result<u32, RegisterError> {
+        let value = match field.content {
+            Content::Timing(phase, part) => match configuration.phase(phase) {
+                Some(timing) => match self.part(&timing, part) {
+                    Some(value) => value,
+                    None => return Err(self.field_error(field, timing.prescaler as i32)),
+                },
+                None => return Ok(0),
+            },
+            Content::TdcOffset(phase) => match configuration.tdc_offset(phase) {
+                Some(offset) => offset as i32,
+                None => return Ok(0),
+            },
+            Content::TdcMode { phase, on, off } => {
+                return Ok(if configuration.tdc_offset(phase).is_some() { on } else { off });
+            }
+            Content::Enable(phase) => configuration.phase(phase).is_some() as i32,
+            Content::Pwm(part) => match (configuration.pwm, part) {
+                (None, _) => return Ok(0),
+                (Some(pwm), PwmPart::Short) => pwm.short as i32,
+                (Some(pwm), PwmPart::Long) => pwm.long as i32,
+                (Some(pwm), PwmPart::Offset) => pwm.offset as i32,
+            },
+            Content::Constant(value) => return Ok(value),
+            Content::Other => return Ok(0),
+        };
+        match field.encoding.encode(value, field.value_bits) {
+            Some(stored) if stored >> field.value_bits == 0 => {
+                Ok((stored >> field.shift) & ((1 << field.width) - 1))
+            }
+            _ => Err(self.field_error(field, value)),
+        }
+    }
+
+    const fn part(&self, timing: &BitTiming, part: Part) -> Option<i32> {
+        Some(match part {
+            Part::Prescaler => match self.scale.divide(timing.prescaler) {
+                Some((base, _)) => base as i32,
+                None => return None,
+            },
+            Part::PrescalerScale => match self.scale.divide(timing.prescaler) {
+                Some((_, index)) => index as i32,
+                None => return None,
+            },
+            Part::PropSeg => timing.prop_seg as i32,
+            Part::PhaseSeg1 => timing.phase_seg1 as i32,
+            Part::Tseg1 => timing.tseg1() as i32,
+            Part::Tseg2 => timing.phase_seg2 as i32,
+            Part::Sjw => timing.sjw as i32,
+        })
+    }
+
+    pub(super) const fn field_error(&self, field: &Field, value: i32) -> RegisterError {
+        let highest = (1_u32 << field.value_bits) - 1;
+        let (min, max) = match field.encoding {
+            Encoding::Signed => (-(1 << (field.width - 1)), (1 << (field.width - 1)) - 1),
+            encoding => (encoding.decode(0, field.width), encoding.decode(highest, field.width)),
+        };
+        RegisterError::Field { register: self.name, field: field.name, value, min, max }
+    }
+
+    /// Bits that belong to no field.
+    #[must_use]
+    pub const fn reserved(&self) -> u32 {
+        let mut mask = ((1_u64 << self.bits) - 1) as u32;
+        let mut rest = self.fields;
+        while let Some((field, others)) = rest.split_first() {
+            mask &= !field.mask();
+            rest = others;
+        }
+        mask
+    }
+
+    /// Takes the fields of `word` into a draft of the configuration.
+    pub(super) const fn unpack_into(
+        &self,
+        word: u32,
+        draft: &mut Draft,
+    ) -> Result<(), RegisterError> {
+        if self.bits < 32 && word >> self.bits != 0 {
+            return Err(RegisterError::TooWide { register: self.name, word, bits: self.bits });
+        }
+        let reserved = word & self.reserved();
+        if reserved != 0 {
+            return Err(RegisterError::Reserved { register: self.name, bits: reserved });
+        }
+        let mut rest = self.fields;
+        while let Some((field, others)) = rest.split_first() {
+            let stored = field.stored(word);
+            if let Content::Constant(value) = field.content
+                && stored != value
+            {
+                let (value, min) = (stored as i32, value as i32);
+                let (register, field) = (self.name, field.name);
+                return Err(RegisterError::Field { register, field, value, min, max: min });
+            }
+            draft.take(field, stored, self.scale);
+            rest = others;
+        }
+        Ok(())
+    }
+}
