@@ -16,6 +16,12 @@ impl<const K: usize> Solutions<K> {
     pub fn iter(&self) -> impl Iterator<Item = &Solution> {
         self.list.iter().flatten()
     }
+
+    /// The same list with every timing replaced; bit rates must not change.
+    pub(super) fn map_timing(self, replace: impl Fn(BitTiming) -> BitTiming) -> Self {
+        let list = self.list.map(|slot| slot.map(|s| Solution { timing: replace(s.timing), ..s }));
+        Self { list }
+    }
 }
 
 /// The `K` best settings within the tolerance, ranked as [`solve`] ranks; the first is its answer.
@@ -29,7 +35,7 @@ impl<const K: usize> Solutions<K> {
 /// let request = Request::new(Hertz::new(48_000_000).unwrap(), Bitrate::new(500_000).unwrap());
 /// let ranked = solutions::<3>(&request, &bxcan::NOMINAL).unwrap();
 /// let quanta: Vec<u32> = ranked.iter().map(|s| s.timing.quanta()).collect();
-/// assert_eq!(quanta, [24, 16, 8]); // all 87.5 %: the finer grid first
+/// assert_eq!(quanta, [16, 8, 12]); // 87.5 %, 87.5 %, 83.3 %
 /// ```
 ///
 /// # Errors
