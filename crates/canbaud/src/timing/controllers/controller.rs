@@ -36,6 +36,9 @@ pub enum PrescalerSharing {
     Shared,
 }
 
+/// A register with the word to write.
+pub type Packed = (&'static Register, Result<u32, RegisterError>);
+
 /// A CAN controller.
 #[derive(Debug, Clone, Copy)]
 pub struct Controller {
@@ -166,8 +169,7 @@ impl Controller {
     pub fn pack(
         &self,
         configuration: &Configuration,
-    ) -> Result<impl Iterator<Item = (&'static Register, Result<u32, RegisterError>)>, RegisterError>
-    {
+    ) -> Result<impl Iterator<Item = Packed> + use<>, RegisterError> {
         self.check(configuration)?;
         if self.registers.is_empty() {
             return Err(RegisterError::NoRegisters);

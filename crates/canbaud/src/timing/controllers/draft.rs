@@ -116,6 +116,8 @@ impl Draft {
         let sjw = draft.sjw.ok_or(missing("SJW"))?;
         let (prop_seg, phase_seg1) = match (draft.prop_seg, draft.phase_seg1, draft.tseg1) {
             (Some(prop_seg), Some(phase_seg1), _) => (prop_seg, phase_seg1),
+            // A controller whose PROP_SEG is fixed has no field for it.
+            (None, Some(phase_seg1), _) => (limits.prop_seg.min, phase_seg1),
             (prop_seg, None, Some(tseg1)) => {
                 // PHASE_SEG1 of a controller without a field for it is a matter of view.
                 let (split, phase_seg1) = limits.split(u32::from(tseg1), u32::from(phase_seg2));

@@ -49,7 +49,7 @@ pub const FDCTRL: Register = Register::new(
 
 /// The controller.
 pub const CONTROLLER: Controller = Controller {
-    aliases: &["flexcan-fd", "flexcan_fd", "imx8"],
+    aliases: &["flexcan_fd", "imx8"],
     description: "NXP FlexCAN with CAN FD: CBT, FDCBT and FDCTRL",
     clock: "CAN protocol engine clock",
     data: Some(DATA),

@@ -47,7 +47,8 @@ pub const ALL: &[&Controller] = &[
     &peak_pucan::CONTROLLER,
 ];
 
-/// The controller with this name or alias; upper case, `-` and `_` make no difference.
+/// The controller with this name or alias; upper and lower case, `-` and `_` are
+/// the same.
 ///
 /// ```
 /// use canbaud::timing::controllers;
@@ -62,8 +63,32 @@ pub fn find(name: &str) -> Option<&'static Controller> {
 }
 
 fn is_same(known: &str, given: &str) -> bool {
-    let letters = |b: &u8| *b != b'_' && *b != b'-';
-    let known = known.bytes().filter(letters).map(|b| b.to_ascii_lowercase());
-    let given = given.bytes().filter(letters).map(|b| b.to_ascii_lowercase());
-    known.eq(given)
+    let plain = |b: u8| if b == b'-' { b'_' } else { b.to_ascii_lowercase() };
+    known.bytes().map(plain).eq(given.bytes().map(plain))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec::Vec;
+
+    use super::*;
+
+    #[test]
+    fn no_name_or_alias_means_two_controllers() {
+        let names: Vec<&str> =
+            ALL.iter().flat_map(|c| c.aliases.iter().copied().chain([c.name])).collect();
+        for (index, name) in names.iter().enumerate() {
+            let later = names.iter().skip(index + 1);
+            assert!(!later.clone().any(|other| is_same(name, other)), "{name} is there twice");
+        }
+    }
+
+    #[test]
+    fn every_controller_says_what_it_is() {
+        for controller in ALL {
+            let texts =
+                [controller.name, controller.description, controller.clock, controller.source];
+            assert!(texts.iter().all(|text| !text.is_empty()), "{}", controller.name);
+        }
+    }
 }

@@ -70,7 +70,7 @@ pub mod xcanfd1;
 pub mod xcanfd2;
 
 pub use configuration::{Configuration, Pwm};
-pub use controller::{Controller, Phase, PrescalerSharing};
+pub use controller::{Controller, Packed, Phase, PrescalerSharing};
 pub use error::RegisterError;
 pub use list::{ALL, find};
 pub use register::Register;

@@ -14,7 +14,7 @@ pub const NOMINAL: Limits =
 /// The register ABTRL.
 pub const ABTRL: Register = Register::new(
     "ABTRL",
-    Some(0x20_024C),
+    Some(0x20_020C),
     16,
     &[
         Field::timing("brp", (0, 6), (Phase::Nominal, Part::Prescaler), Encoding::MinusOne),

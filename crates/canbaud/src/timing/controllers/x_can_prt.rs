@@ -87,7 +87,7 @@ pub const PCFG: Register = Register::new(
 
 /// The controller.
 pub const CONTROLLER: Controller = Controller {
-    aliases: &["x_can", "xcan_xl"],
+    aliases: &["x_can"],
     description: "Bosch X_CAN protocol unit (CAN XL)",
     clock: "CAN clock (80 or 160 MHz for CAN XL)",
     data: Some(DATA),
