@@ -4,7 +4,7 @@
 //! `cargo bench -p canbaud --bench timing_solve`
 
 #[path = "../tests/timing_reference/mod.rs"]
-#[allow(dead_code)]
+#[expect(dead_code, reason = "shared with the tests, which need more of it")]
 mod timing_reference;
 
 use std::hint::black_box;

@@ -4,6 +4,7 @@
 //! `cargo run --release --example timing_grid [controller ...]`; without names, every controller.
 
 #[path = "../tests/timing_reference/mod.rs"]
+#[expect(dead_code, reason = "shared with the tests, which need more of it")]
 mod timing_reference;
 
 use std::process::ExitCode;
