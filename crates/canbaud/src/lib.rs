@@ -1,13 +1,14 @@
 //! canbaud finds the bit rate of any CAN or CAN FD bus, proves it, and never disturbs the bus.
 //!
 //! Reading order: [`units`] (every quantity has a type), [`wire`] (edges, bits, frames),
-//! [`timing`] (bit timing of controllers).
+//! [`detect`] (the verdict), [`timing`] (bit timing and registers of controllers).
 #![no_std]
 #![forbid(unsafe_code)]
 
 #[cfg(test)]
 extern crate std;
 
+pub mod detect;
 pub mod timing;
 pub mod units;
 pub mod wire;

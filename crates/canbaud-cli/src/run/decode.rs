@@ -1,0 +1,131 @@
+//! `canbaud decode`.
+
+use std::fs::File;
+use std::io::{self, BufWriter, IsTerminal, Write};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use canbaud_capture::{Capture, open};
+
+use super::failure::{source_name, unreadable, unwritable};
+use crate::args::{DecodeArgs, FrameFormat};
+use crate::exit::Exit;
+use crate::judge;
+use crate::output::{Candump, Clock, FramesJson, ItemWriter, Pcapng, RawDlc, headline};
+use crate::printable::printable;
+use crate::report::{ChannelReport, Outcome};
+
+/// Large enough that a system call costs nothing per frame.
+const BUFFER: usize = 64 * 1024;
+
+/// Decodes one source and prints every frame.
+pub(crate) fn decode(args: &DecodeArgs) -> Exit {
+    let source = source_name(&args.source);
+    if let Some(reason) = refuse_output(args) {
+        eprintln!("canbaud: {reason}");
+        return Exit::Usage;
+    }
+    let mut capture = match open(&args.source, &args.reading.open_options()) {
+        Ok(capture) => capture,
+        Err(error) => {
+            eprint!("{}", unreadable(&source, &error));
+            return Exit::Unreadable;
+        }
+    };
+    let target = args.output.as_deref().map_or_else(|| "standard output".to_owned(), source_name);
+    let mut writer = match writer(args, Clock { timebase: capture.timebase(), start_s: args.start })
+    {
+        Ok(writer) => writer,
+        Err(error) => return unwritable(&target, &error),
+    };
+    match copy(&mut capture, args, writer.as_mut()) {
+        Copied::Report(report) => conclude(args, &source, &report),
+        Copied::Unreadable(error) => {
+            eprint!("{}", unreadable(&source, &error));
+            Exit::Unreadable
+        }
+        Copied::Unwritable(error) => unwritable(&target, &error),
+    }
+}
+
+enum Copied {
+    Report(ChannelReport),
+    Unreadable(canbaud_capture::CaptureError),
+    Unwritable(io::Error),
+}
+
+/// Decodes into `writer`; what was decoded before a damage is kept.
+fn copy(capture: &mut Capture, args: &DecodeArgs, writer: &mut dyn ItemWriter) -> Copied {
+    let mut failed = None;
+    let judged = judge::decode(capture, &args.reading.judge_options(), &mut |item| match writer
+        .write(item)
+    {
+        Ok(()) => ControlFlow::Continue(()),
+        Err(error) => {
+            failed = Some(error);
+            ControlFlow::Break(())
+        }
+    });
+    if let Some(error) = failed.or_else(|| writer.finish().err()) {
+        return Copied::Unwritable(error);
+    }
+    match judged {
+        Ok(report) => Copied::Report(report),
+        Err(error) => Copied::Unreadable(error),
+    }
+}
+
+/// Why the output cannot go where it should: it would destroy the capture, or the terminal.
+fn refuse_output(args: &DecodeArgs) -> Option<String> {
+    match &args.output {
+        Some(output) if same_file(output, &args.source) => {
+            Some(format!("{}: would overwrite the capture itself", source_name(output)))
+        }
+        None if form(args) == FrameFormat::Pcapng && io::stdout().is_terminal() => {
+            Some("pcapng is not for a terminal: add -o FILE or a pipe".to_owned())
+        }
+        _ => None,
+    }
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+const fn form(args: &DecodeArgs) -> FrameFormat {
+    if args.json { FrameFormat::Json } else { args.format }
+}
+
+fn writer(args: &DecodeArgs, clock: Clock) -> io::Result<Box<dyn ItemWriter>> {
+    let out: Box<dyn Write> = match &args.output {
+        Some(path) => Box::new(File::create(path)?),
+        None => Box::new(io::stdout().lock()),
+    };
+    let out = BufWriter::with_capacity(BUFFER, out);
+    let raw_dlc = if args.raw_dlc { RawDlc::Shown } else { RawDlc::Hidden };
+    Ok(match form(args) {
+        FrameFormat::Candump => Box::new(Candump::new(out, clock, raw_dlc)),
+        FrameFormat::Json => Box::new(FramesJson::new(out, clock)),
+        FrameFormat::Pcapng => Box::new(Pcapng::new(out, clock)?),
+    })
+}
+
+/// Tells what the frames were decoded with, or why there are none.
+fn conclude(args: &DecodeArgs, source: &str, report: &ChannelReport) -> Exit {
+    if !args.quiet {
+        let frames = &report.frames;
+        let good = frames.classic + frames.fd + frames.remote;
+        let channel = printable(&report.channel);
+        let verdict = headline(report);
+        match report.outcome {
+            Outcome::Found => eprintln!(
+                "canbaud: {source}: channel {channel}: {verdict}; {good} frames decoded, {} errors",
+                frames.error
+            ),
+            Outcome::Undecided | Outcome::NoTraffic | Outcome::Conflict => {
+                eprintln!("canbaud: {source}: channel {channel}: {verdict}");
+            }
+        }
+    }
+    report.outcome.into()
+}

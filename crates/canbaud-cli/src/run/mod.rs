@@ -1,0 +1,10 @@
+//! The commands: from what the user said to what the user gets.
+
+mod decode;
+mod detect;
+mod failure;
+mod progress;
+mod queue;
+
+pub(crate) use decode::decode;
+pub(crate) use detect::detect;

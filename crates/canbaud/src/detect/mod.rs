@@ -1,0 +1,7 @@
+//! From edges to a verdict about the bit rate.
+
+mod pulse;
+mod verdict;
+
+pub use pulse::{Measurement, MinimumPulse, PulseDetector, find_data_rate};
+pub use verdict::{BitTime, DataPhase, Found, Need, Verdict};

@@ -1,0 +1,386 @@
+//! The detector: edges in, a verdict out, in fixed memory.
+
+use super::glitch;
+use super::interval::interval;
+use super::measure::{Measurement, pool};
+use super::prove::{Proof, prove, prove_at};
+use super::segment::{Candidate, Segmenter};
+use crate::detect::{DataPhase, Found, Need, Verdict};
+use crate::wire::clock::{BIT_Q20, BitClock};
+use crate::wire::reader::{Activity, Rates, Reading};
+use crate::wire::{BusTiming, DataTiming, FdCrc, Frame, Logic, Polarity};
+
+/// Proof that a verdict needs: the rate is wrong with a probability of at most 2^-10 a frame
+/// that is damaged so that it fits another rate at all.
+const PROOF_BITS_MIN: u32 = 10;
+/// Two bit times closer than this share of one another are the same rate: 1/64.
+const SAME_RATE_SHIFT: u32 = 6;
+
+/// Finds and proves the bit rate of a bus from its edges. `N` is the number of runs that it can
+/// hold: 160 for any classic frame and the short CAN FD frames, 800 for all.
+///
+/// Time is a parameter: ticks of whatever timer captured the edges. Feed every edge; ask for the
+/// verdict at any time.
+///
+/// ```
+/// use canbaud::detect::{PulseDetector, Verdict};
+/// use canbaud::wire::Logic;
+/// let mut detector = PulseDetector::<160>::new();
+/// detector.begin(0, Logic::High);
+/// assert_eq!(detector.verdict(), Verdict::NoTraffic);
+/// ```
+#[derive(Debug, Clone)]
+pub struct PulseDetector<const N: usize = 160> {
+    segmenter: Segmenter<N>,
+    last: u64,
+    edges: u32,
+    candidates: u32,
+    rates: ProvenRates,
+}
+
+/// A rate that proved at least one frame.
+#[derive(Debug, Clone, Copy)]
+struct Rate {
+    rates: Rates,
+    polarity: Polarity,
+    nominal: Measurement,
+    data: Measurement,
+    fd_frames: u32,
+    proven: u32,
+    proof_bits: u32,
+    /// Hash of the last frame: the same frame again proves nothing new.
+    last_frame: u32,
+}
+
+impl<const N: usize> PulseDetector<N> {
+    /// A detector before its first edge.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            segmenter: Segmenter::new(),
+            last: 0,
+            edges: 0,
+            candidates: 0,
+            rates: ProvenRates { leader: None, rival: None },
+        }
+    }
+
+    /// Unbroken recording begins at `at` with the line at `level`; also after a pause.
+    pub fn begin(&mut self, at: u64, level: Logic) {
+        self.segmenter.begin(level);
+        self.last = at;
+    }
+
+    /// An edge at `at`, later than the one before; the level toggles.
+    pub fn push(&mut self, at: u64) {
+        let run = u32::try_from(at.saturating_sub(self.last)).unwrap_or(u32::MAX);
+        self.last = at;
+        self.edges = self.edges.saturating_add(1);
+        if self.judge(run) {
+            self.segmenter.restart(run);
+        } else {
+            self.segmenter.store(run);
+        }
+    }
+
+    /// The line has not changed from the last edge to `at`, and the recording ends or pauses.
+    pub fn finish(&mut self, at: u64) {
+        let run = u32::try_from(at.saturating_sub(self.last)).unwrap_or(u32::MAX);
+        self.judge(run);
+    }
+
+    /// What is known so far.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        match (&self.rates.leader, &self.rates.rival) {
+            (None, _) if self.edges == 0 => Verdict::NoTraffic,
+            (None, _) if self.candidates == 0 => Verdict::Undecided(Need::CompleteFrame),
+            (None, _) => Verdict::Undecided(Need::CleanFrame),
+            (Some(leader), Some(rival)) if rival.proven > 1 || leader.proven == 1 => {
+                match (leader.nominal.bit_time(), rival.nominal.bit_time()) {
+                    (Some(first), Some(second)) if rival.proven > 1 => {
+                        Verdict::Conflict { first, second }
+                    }
+                    _ => Verdict::Undecided(Need::AnotherFrame),
+                }
+            }
+            (Some(leader), _) => leader.verdict(),
+        }
+    }
+
+    /// What a decoder must know to read the bus; `None` before a verdict of `Found`.
+    #[must_use]
+    pub fn bus_timing(&self) -> Option<BusTiming> {
+        match (self.verdict(), &self.rates.leader) {
+            (Verdict::Found(_), Some(leader)) => Some(leader.bus_timing()),
+            _ => None,
+        }
+    }
+
+    /// Whether the run of `run` ticks, which just ended, is the gap behind a proven frame.
+    fn judge(&mut self, run: u32) -> bool {
+        let mut skip = 0;
+        while let Some(candidate) = self.segmenter.candidate(run, skip) {
+            self.candidates = self.candidates.saturating_add(1);
+            if self.judge_candidate(candidate) {
+                return true;
+            }
+            skip += 1;
+        }
+        false
+    }
+
+    fn judge_candidate(&mut self, candidate: Candidate) -> bool {
+        let runs = self.segmenter.runs_from(candidate.at);
+        let gap = candidate.gap;
+        let polarity = match candidate.idle {
+            Logic::High => Polarity::Normal,
+            Logic::Low => Polarity::Inverted,
+        };
+        let mut room = [0; N];
+        let rates = &mut self.rates;
+        if rates.read(runs, gap, polarity, &mut room) {
+            return true;
+        }
+        let mut compared = 0;
+        let activity = Activity { runs, gap };
+        if let Some(proof) = prove(activity, &mut compared) {
+            rates.enter(&proof, activity, polarity);
+            return true;
+        }
+        for width in glitch::widths(runs) {
+            let Some(runs) = glitch::without(runs, width, &mut room) else { continue };
+            let activity = Activity { runs, gap };
+            if let Some(proof) = prove(activity, &mut compared) {
+                rates.enter(&proof, activity, polarity);
+                return true;
+            }
+        }
+        false
+    }
+}
+
+/// The rates that proved frames: the one with more, and another.
+#[derive(Debug, Clone, Copy)]
+struct ProvenRates {
+    leader: Option<Rate>,
+    rival: Option<Rate>,
+}
+
+impl ProvenRates {
+    fn iter_mut(&mut self) -> impl Iterator<Item = &mut Rate> {
+        [&mut self.leader, &mut self.rival].into_iter().flatten()
+    }
+
+    /// Reads a frame at one of the rates; `room` holds it without its glitches.
+    fn read(&mut self, runs: &[u32], gap: u32, polarity: Polarity, room: &mut [u32]) -> bool {
+        let read =
+            self.iter_mut().any(|rate| rate.polarity == polarity && rate.reads(runs, gap, room));
+        self.rank();
+        read
+    }
+
+    /// Enters a proof with the rate that it is for.
+    fn enter(&mut self, proof: &Proof, activity: Activity<'_>, polarity: Polarity) {
+        let bit_q20 = proof.rates.nominal.ticks_q20();
+        let same = self.iter_mut().find(|rate| {
+            let known = rate.rates.nominal.ticks_q20();
+            rate.polarity == polarity && known.abs_diff(bit_q20) <= known >> SAME_RATE_SHIFT
+        });
+        match same {
+            Some(rate) => rate.add(proof, activity),
+            None => {
+                let slot = if self.leader.is_none() { &mut self.leader } else { &mut self.rival };
+                *slot = Some(Rate::new(proof, activity, polarity));
+            }
+        }
+        self.rank();
+    }
+
+    /// The rate with more proven frames leads.
+    fn rank(&mut self) {
+        let proven = |rate: &Option<Rate>| rate.map_or(0, |rate| rate.proven);
+        if proven(&self.rival) > proven(&self.leader) {
+            core::mem::swap(&mut self.leader, &mut self.rival);
+        }
+    }
+}
+
+impl<const N: usize> Default for PulseDetector<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Rate {
+    fn new(proof: &Proof, activity: Activity<'_>, polarity: Polarity) -> Self {
+        let mut rate = Self {
+            rates: proof.rates,
+            polarity,
+            nominal: Measurement::default(),
+            data: Measurement::default(),
+            fd_frames: 0,
+            proven: 0,
+            proof_bits: 0,
+            last_frame: 0,
+        };
+        // Each comparison of a CRC was one chance to be wrong.
+        let chances = proof.compared.max(1).next_power_of_two().trailing_zeros();
+        rate.add(proof, activity);
+        rate.proof_bits = rate.proof_bits.saturating_sub(chances);
+        rate
+    }
+
+    /// Reads one more frame at this rate; `room` holds it without its glitches.
+    fn reads(&mut self, runs: &[u32], gap: u32, room: &mut [u32]) -> bool {
+        let shortest = self.rates.data.map_or(self.rates.nominal, |data| data.clock);
+        let width = (3 * shortest.ticks_q20() / 10) >> 20;
+        let width = u32::try_from(width).unwrap_or(u32::MAX);
+        let runs = glitch::without(runs, width, room).unwrap_or(runs);
+        let activity = Activity { runs, gap };
+        let proof = prove_at(activity, &self.rates, &mut 0);
+        if let Some(proof) = &proof {
+            self.add(proof, activity);
+        }
+        proof.is_some()
+    }
+
+    fn add(&mut self, proof: &Proof, activity: Activity<'_>) {
+        let hash = hash(&proof.received.frame);
+        if self.proven == 0 || hash != self.last_frame {
+            self.proof_bits = self.proof_bits.saturating_add(crc_bits(proof));
+        }
+        self.last_frame = hash;
+        self.proven = self.proven.saturating_add(1);
+        self.nominal.add(&proof.reading.nominal);
+        if proof.received.fd_crc.is_some() {
+            self.fd_frames = self.fd_frames.saturating_add(1);
+            self.rates.fd_crc = proof.rates.fd_crc;
+        }
+        if proof.reading.brs_run.is_some() {
+            self.data.add(&proof.reading.data);
+            self.rates.data = proof.rates.data;
+        }
+        if self.proven == 1
+            && let Some(bit) = self.nominal.bit_time()
+        {
+            let noise = noise_q20(activity, &proof.reading, bit.ticks_q20);
+            self.nominal.set_noise(noise);
+            self.data.set_noise(noise);
+            if let Some(interval) = interval(activity, proof) {
+                self.nominal.set_interval(&interval);
+            }
+        }
+        self.sharpen();
+    }
+
+    /// Reads the next frame at the bit times measured so far.
+    fn sharpen(&mut self) {
+        let measured = self.nominal.bit_time().and_then(|bit| BitClock::new(bit.ticks_q20));
+        if let Some(clock) = measured {
+            self.rates.nominal = clock;
+        }
+        let data = self.data.bit_time().and_then(|bit| BitClock::new(bit.ticks_q20));
+        if let (Some(clock), Some(rate)) = (data, &mut self.rates.data) {
+            rate.clock = clock;
+        }
+        let late = self.nominal.asymmetry_q8() << 12;
+        let moved = late - self.rates.late_ticks_q20;
+        self.rates.late_ticks_q20 = late;
+        if let Some(rate) = &mut self.rates.data {
+            // The BRS bit begins with an edge to recessive: what was late was missing from it.
+            rate.brs_ticks_q20 = rate.brs_ticks_q20.saturating_add_signed(moved);
+        }
+    }
+
+    fn verdict(&self) -> Verdict {
+        let Some(nominal) = self.nominal.bit_time() else {
+            return Verdict::Undecided(Need::CleanFrame);
+        };
+        if self.proof_bits < PROOF_BITS_MIN {
+            return Verdict::Undecided(Need::AnotherFrame);
+        }
+        let (nominal, data) = match (self.fd_frames, self.data.bit_time()) {
+            (0, _) => (nominal, DataPhase::NoFd),
+            (_, None) => (nominal, DataPhase::NeverSwitched),
+            (_, Some(bit)) => {
+                let (nominal, data) = pool(nominal, bit);
+                (nominal, DataPhase::Switched(data))
+            }
+        };
+        Verdict::Found(Found {
+            nominal,
+            data,
+            proven_frames: self.proven,
+            proof_bits: self.proof_bits,
+            polarity: self.polarity,
+        })
+    }
+
+    fn bus_timing(&self) -> BusTiming {
+        BusTiming {
+            ticks_q20: self.rates.nominal.ticks_q20(),
+            data: self.rates.data.map(|data| DataTiming {
+                ticks_q20: data.clock.ticks_q20(),
+                brs_ticks_q20: data.brs_ticks_q20,
+            }),
+            fd_crc: self.rates.fd_crc,
+            asymmetry_q20: self.rates.late_ticks_q20,
+        }
+    }
+}
+
+/// Bits of a frame that check the rest of it.
+fn crc_bits(proof: &Proof) -> u32 {
+    let data = proof.received.frame.data().len();
+    match (proof.received.fd_crc, data) {
+        (None, _) => 15,
+        (Some(FdCrc::Iso), 0..=16) => 17 + 4,
+        (Some(FdCrc::Iso), _) => 21 + 4,
+        (Some(FdCrc::NonIso), 0..=16) => 17,
+        (Some(FdCrc::NonIso), _) => 21,
+    }
+}
+
+/// FNV-1a over identifier, DLC and data.
+fn hash(frame: &Frame) -> u32 {
+    let id = frame.id().raw().to_le_bytes();
+    let head = id.iter().chain(core::iter::once(&0)).copied();
+    head.chain(core::iter::once(frame.dlc()))
+        .chain(frame.data().iter().copied())
+        .fold(0x811C_9DC5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+/// Variance of the nominal edges about the bit grid, in ticks^2 times 2^20.
+fn noise_q20(activity: Activity<'_>, reading: &Reading, ticks_q20: u64) -> u64 {
+    let Some(clock) = BitClock::new(ticks_q20) else { return 0 };
+    let end = reading.brs_run.unwrap_or(reading.crc_run).min(activity.runs.len());
+    let mut position = 0_i64;
+    // Sum, sum of squares and number of the deviations, by polarity of the edge.
+    let mut sums = [(0_i64, 0_i64, 1_i64), (0, 0, 0)];
+    for (&run, polarity) in activity.runs.iter().take(end).zip([1, 0].into_iter().cycle()) {
+        position += i64::from(clock.bits_q20(run));
+        let off = position & i64::from(BIT_Q20 - 1);
+        // Deviations around 0 wrap; half a bit is as far as they go. 2^-10 of a bit is enough.
+        let off =
+            (if off >= i64::from(BIT_Q20 / 2) { off - i64::from(BIT_Q20) } else { off }) >> 10;
+        if let Some((sum, squares, count)) = sums.get_mut(polarity) {
+            *sum += off;
+            *squares += off * off;
+            *count += 1;
+        }
+    }
+    let (mut squares, mut freedom) = (0, 0);
+    for (sum, square, count) in sums {
+        if count > 1 {
+            squares += square - sum * sum / count;
+            freedom += count - 1;
+        }
+    }
+    if freedom <= 1 {
+        return 0;
+    }
+    let bits_q20 = u128::try_from(squares / (freedom - 1)).unwrap_or(0);
+    let ticks = u128::from(ticks_q20) >> 8;
+    u64::try_from((bits_q20 * ticks * ticks) >> 24).unwrap_or(u64::MAX)
+}

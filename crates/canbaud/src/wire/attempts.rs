@@ -1,0 +1,60 @@
+//! The ways to place the bit grid on a frame's edges, in the order they are tried.
+
+use super::clock::BIT_Q20;
+use super::item::FdCrc;
+use super::phase::first_edge_error;
+use super::reader::{Activity, Outcome, Placement, Rates, Reading, read};
+use super::sync::Pace;
+
+/// Reads `activity` by the first placement that gives a frame; if none does, as the first failed.
+///
+/// A frame counts only with its CRC right, so a further placement cannot invent one but by the
+/// chance of a CRC.
+pub(crate) fn read_best(activity: Activity<'_>, rates: &Rates) -> Reading {
+    let first = read(activity, rates, Placement::ANCHORED);
+    if is_settled(&first) {
+        return first;
+    }
+    let other = Rates { fd_crc: other_crc(rates.fd_crc), ..*rates };
+    let flavours = if first.is_fd { 2 } else { 1 };
+    for rates in [rates, &other].into_iter().take(flavours) {
+        for placement in placements(activity, rates) {
+            let reading = read(activity, rates, placement);
+            if matches!(reading.outcome, Outcome::Frame { .. }) {
+                return reading;
+            }
+        }
+    }
+    first
+}
+
+/// Whether another placement could not say more.
+fn is_settled(reading: &Reading) -> bool {
+    match reading.outcome {
+        Outcome::Frame { .. } | Outcome::Unacknowledged { .. } | Outcome::DataRateWanted { .. } => {
+            true
+        }
+        Outcome::Failed(_) => reading.crc_right,
+    }
+}
+
+/// The ways to place the grid on `activity`, the cheapest first.
+pub(crate) fn placements(activity: Activity<'_>, rates: &Rates) -> [Placement; 6] {
+    let (best, _) = first_edge_error(activity.runs, rates.nominal);
+    let grid = |sof_error_q20| Placement { pace: Pace::Grid, sof_error_q20 };
+    [
+        Placement::ANCHORED,
+        Placement { pace: Pace::Gentle, sof_error_q20: 0 },
+        grid(best),
+        Placement { pace: Pace::Gentle, sof_error_q20: best },
+        grid(BIT_Q20 / 4),
+        grid(-BIT_Q20 / 4),
+    ]
+}
+
+const fn other_crc(fd_crc: FdCrc) -> FdCrc {
+    match fd_crc {
+        FdCrc::Iso => FdCrc::NonIso,
+        FdCrc::NonIso => FdCrc::Iso,
+    }
+}

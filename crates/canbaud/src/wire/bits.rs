@@ -1,0 +1,142 @@
+//! A string of bits, long enough for the longest CAN FD frame with all its stuff bits.
+
+use super::line::Level;
+
+/// Words of a [`BitString`].
+const WORDS: usize = 12;
+
+/// Up to [`BitString::CAPACITY`] bits in wire order; a 1 is recessive.
+///
+/// Bits past the capacity are not stored but counted, so that a reader notices.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct BitString {
+    words: [u64; WORDS],
+    len: usize,
+}
+
+impl BitString {
+    /// Bits that a string can hold. The longest frame, an extended CAN FD frame of 64 bytes,
+    /// has at most 733 bits from SOF to EOF.
+    pub const CAPACITY: usize = WORDS * 64;
+
+    /// A string without bits.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { words: [0; WORDS], len: 0 }
+    }
+
+    /// Number of bits.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are no bits.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Forgets all bits.
+    pub fn clear(&mut self) {
+        self.words = [0; WORDS];
+        self.len = 0;
+    }
+
+    /// Appends the low `count` (0 to 32) bits of `bits`, most significant first.
+    #[inline]
+    pub fn push(&mut self, bits: u32, count: u32) {
+        if count == 0 {
+            return;
+        }
+        let masked = u64::from(bits) & ((1_u64 << count) - 1);
+        let used = (self.len % 64) as u32;
+        let word = self.len / 64;
+        self.len += count as usize;
+        let free = 64 - used;
+        if count <= free {
+            if let Some(w) = self.words.get_mut(word) {
+                *w |= masked << (free - count);
+            }
+        } else {
+            let spill = count - free;
+            if let Some(w) = self.words.get_mut(word) {
+                *w |= masked >> spill;
+            }
+            if let Some(w) = self.words.get_mut(word + 1) {
+                *w |= masked << (64 - spill);
+            }
+        }
+    }
+
+    /// Appends `count` bits of one level.
+    #[inline]
+    pub fn push_run(&mut self, level: Level, count: u32) {
+        let mut left = count;
+        while left > 0 {
+            let step = if left < 32 { left } else { 32 };
+            match level {
+                Level::Recessive => self.push(u32::MAX, step),
+                Level::Dominant => self.push(0, step),
+            }
+            left -= step;
+        }
+    }
+
+    /// The bit at `index`; recessive past the end.
+    #[must_use]
+    pub fn level(&self, index: usize) -> Level {
+        if index < self.len && self.bits(index, 1) == 0 {
+            Level::Dominant
+        } else {
+            Level::Recessive
+        }
+    }
+
+    /// `count` (0 to 32) bits from `index`, most significant first; 0 past the capacity.
+    #[must_use]
+    #[inline]
+    pub fn bits(&self, index: usize, count: u32) -> u32 {
+        if count == 0 {
+            return 0;
+        }
+        let word = index / 64;
+        let offset = (index % 64) as u32;
+        let high = self.words.get(word).copied().unwrap_or(0) << offset;
+        let low = match offset {
+            0 => 0,
+            _ => self.words.get(word + 1).copied().unwrap_or(0) >> (64 - offset),
+        };
+        ((high | low) >> (64 - count)) as u32
+    }
+
+    /// Makes the bit at `index` dominant.
+    pub fn set_dominant(&mut self, index: usize) {
+        if let Some(word) = self.words.get_mut(index / 64) {
+            *word &= !(1_u64 << (63 - index % 64));
+        }
+    }
+
+    /// The bits in wire order.
+    pub fn iter(&self) -> impl Iterator<Item = Level> + '_ {
+        (0..self.len.min(Self::CAPACITY)).map(|index| self.level(index))
+    }
+}
+
+impl Default for BitString {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl core::fmt::Debug for BitString {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        for level in self.iter() {
+            f.write_str(match level {
+                Level::Dominant => "0",
+                Level::Recessive => "1",
+            })?;
+        }
+        Ok(())
+    }
+}

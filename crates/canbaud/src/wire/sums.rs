@@ -1,0 +1,96 @@
+//! Sums over the edges of one frame from which its bit time follows by least squares.
+
+/// Sums over edges of one polarity: edge `k` lies `m_k` bits and `t_k` ticks after the first
+/// edge of the phase.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct EdgeSums {
+    n: u32,
+    m: u32,
+    mm: u64,
+    t: u64,
+    mt: u64,
+}
+
+impl EdgeSums {
+    /// Takes one edge.
+    #[inline]
+    pub(crate) fn push(&mut self, bits: u32, ticks: u32) {
+        self.n += 1;
+        self.m += bits;
+        self.mm += u64::from(bits) * u64::from(bits);
+        self.t += u64::from(ticks);
+        self.mt += u64::from(bits) * u64::from(ticks);
+    }
+}
+
+/// The edges of one phase of a frame; both polarities, because transceivers shift them apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PhaseSums {
+    /// Recessive to dominant.
+    pub(crate) falling: EdgeSums,
+    /// Dominant to recessive.
+    pub(crate) rising: EdgeSums,
+}
+
+/// What least squares says about one phase: a common bit time for both polarities.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Fit {
+    /// Sum of squared deviations of the bit positions from their mean, times 2^8: the weight.
+    pub sxx_q8: u64,
+    /// The mixed sum, in ticks times 2^8.
+    pub sxy_q8: u64,
+    /// Number of edges.
+    pub edges: u32,
+    /// How much later dominant-to-recessive edges come than recessive-to-dominant ones,
+    /// in ticks times 2^8.
+    pub asymmetry_q8: i32,
+}
+
+impl Fit {
+    /// Bit time in ticks times 2^20; `None` if the edges do not determine one.
+    #[must_use]
+    pub fn ticks_q20(&self) -> Option<u64> {
+        if self.sxx_q8 == 0 {
+            return None;
+        }
+        u64::try_from((u128::from(self.sxy_q8) << 20) / u128::from(self.sxx_q8)).ok()
+    }
+}
+
+impl PhaseSums {
+    /// Least squares with one slope and an intercept for each polarity.
+    #[must_use]
+    pub fn fit(&self) -> Fit {
+        let (fxx, fxy) = self.falling.centred_q8();
+        let (rxx, rxy) = self.rising.centred_q8();
+        let mut fit = Fit {
+            sxx_q8: fxx + rxx,
+            sxy_q8: fxy + rxy,
+            edges: self.falling.n + self.rising.n,
+            asymmetry_q8: 0,
+        };
+        if let (Some(ticks_q20), true) = (fit.ticks_q20(), self.falling.n > 0 && self.rising.n > 0)
+        {
+            let late = |s: &EdgeSums| {
+                let t = i128::from(s.t) << 20;
+                (t - i128::from(ticks_q20) * i128::from(s.m)) / i128::from(s.n)
+            };
+            let difference = (late(&self.rising) - late(&self.falling)) >> 12;
+            fit.asymmetry_q8 = difference.clamp(i128::from(i32::MIN), i128::from(i32::MAX)) as i32;
+        }
+        fit
+    }
+}
+
+impl EdgeSums {
+    /// Sums of squares and products about the means, times 2^8.
+    fn centred_q8(&self) -> (u64, u64) {
+        if self.n < 2 {
+            return (0, 0);
+        }
+        let n = u128::from(self.n);
+        let xx = n * u128::from(self.mm) - u128::from(self.m) * u128::from(self.m);
+        let xy = (n * u128::from(self.mt)).saturating_sub(u128::from(self.m) * u128::from(self.t));
+        (((xx << 8) / n) as u64, ((xy << 8) / n) as u64)
+    }
+}
