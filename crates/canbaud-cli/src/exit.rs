@@ -14,6 +14,8 @@ pub(crate) enum Exit {
     NoTraffic,
     /// There was activity, but no proof, or two rates.
     Undecided,
+    /// No bit timing meets the request.
+    Impossible,
     /// A file could not be read, or an output could not be written.
     Unreadable,
     /// The command line was wrong.
@@ -26,7 +28,7 @@ impl Exit {
         match self {
             Self::Found => 0,
             Self::Usage => 2,
-            Self::Undecided => 3,
+            Self::Undecided | Self::Impossible => 3,
             Self::NoTraffic => 4,
             Self::Unreadable => 5,
         }
