@@ -1,10 +1,9 @@
 //! The bus: propagation delay, longest bus, and the sample points that length and clock
 //! tolerance leave.
+//!
+//! Settings that suit a bus: `physics_fit`.
 
-use core::fmt;
-
-use super::physics::classic_tolerance;
-use super::{BitTiming, Limits, Ratio, Request, SjwPolicy, Solutions, SolveError, solutions_where};
+use super::{BitTiming, Ratio};
 use crate::units::{Bitrate, Hertz};
 
 const PICOSECONDS_PER_SECOND: u128 = 1_000_000_000_000;
@@ -112,8 +111,27 @@ pub const fn outer_bus_m(
     longest_m(quanta * timing.prescaler as u64 * clock_divider as u64, clock, bus)
 }
 
+/// Longest bus in metres on which a sample point exists at all, whatever the setting; `None` if
+/// nodes and clocks alone leave none.
+#[must_use]
+pub const fn longest_possible_m(bitrate: Bitrate, bus: &Bus, tolerance_ppm: u32) -> Option<u32> {
+    let (phase, whole) = phase_share(tolerance_ppm);
+    let room = whole.saturating_sub(2 * phase) as u128 * PICOSECONDS_PER_SECOND;
+    metres(room / (whole as u128 * bitrate.bits_per_second() as u128), bus)
+}
+
+/// What a phase segment needs of the bit, `26 df / (1 + 2 df)`, as numerator and denominator.
+const fn phase_share(tolerance_ppm: u32) -> (u64, u64) {
+    let tolerance = if tolerance_ppm > 500_000 { 500_000 } else { tolerance_ppm as u64 };
+    (26 * tolerance, 1_000_000 + 2 * tolerance)
+}
+
 const fn longest_m(clocks: u64, clock: Hertz, bus: &Bus) -> Option<u32> {
-    let round_trip_ps = clocks as u128 * PICOSECONDS_PER_SECOND / clock.hertz() as u128;
+    metres(clocks as u128 * PICOSECONDS_PER_SECOND / clock.hertz() as u128, bus)
+}
+
+/// The cable that is left of a round trip.
+const fn metres(round_trip_ps: u128, bus: &Bus) -> Option<u32> {
     let nodes_ps = 2 * bus.node_delay_ns as u128 * 1_000;
     if round_trip_ps < nodes_ps || bus.cable_delay_ps_per_m == 0 {
         return None;
@@ -146,9 +164,7 @@ impl Window {
     /// ```
     #[must_use]
     pub const fn new(bitrate: Bitrate, bus: &Bus, tolerance_ppm: u32) -> Self {
-        let tolerance = if tolerance_ppm > 500_000 { 500_000 } else { tolerance_ppm as u64 };
-        let phase = 26 * tolerance;
-        let whole = 1_000_000 + 2 * tolerance;
+        let (phase, whole) = phase_share(tolerance_ppm);
         let latest = Ratio::over(whole.saturating_sub(phase), whole);
         // Delay as a share of the bit in 10^-9: rounding up costs nothing that a quantum has not.
         let product = bus.propagation_ps() as u128 * bitrate.bits_per_second() as u128;
@@ -163,109 +179,4 @@ impl Window {
     pub const fn is_empty(&self) -> bool {
         self.latest.is_below(self.earliest)
     }
-}
-
-/// Why no setting suits the bus.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum BusError {
-    /// There is no setting even without the bus.
-    Solve(SolveError),
-    /// Delay and clock tolerance together leave no room for a sample point.
-    Window {
-        /// The window, with its ends crossed.
-        window: Window,
-    },
-    /// There is room, but no setting of the controller fits into it.
-    NoSetting {
-        /// The window.
-        window: Window,
-        /// Clock tolerance asked for in 10⁻⁶.
-        tolerance_ppm: u32,
-    },
-}
-
-impl fmt::Display for BusError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Solve(error) => write!(f, "{error}"),
-            Self::Window { window } => write!(
-                f,
-                "bus length and clock tolerance leave no sample point: it would have to be after \
-                 {} and before {}; shorten the bus, lower the bit rate, or use better clocks",
-                window.earliest, window.latest
-            ),
-            Self::NoSetting { window, tolerance_ppm } => write!(
-                f,
-                "no setting of this controller has its sample point from {} to {} and stands \
-                 {tolerance_ppm} ppm",
-                window.earliest, window.latest
-            ),
-        }
-    }
-}
-
-impl core::error::Error for BusError {}
-
-/// The `K` best settings that cover the delay of the bus with PROP_SEG and stand clocks that are
-/// each off by `tolerance_ppm`; ranked as `solutions` ranks.
-///
-/// ```
-/// use canbaud::timing::{controllers::m_can, physics_bus::{solutions_for_bus, Bus}, Request};
-/// use canbaud::units::{Bitrate, Hertz};
-/// let request = Request::new(Hertz::new(80_000_000).unwrap(), Bitrate::new(500_000).unwrap());
-/// let ranked = solutions_for_bus::<1>(&request, &m_can::NOMINAL, &Bus::new(40), 5_000).unwrap();
-/// let best = ranked.iter().next().unwrap().timing;
-/// // 87.5 % would leave the oscillators too little; 900 ns need 72 quanta of 12.5 ns.
-/// assert_eq!(best.sample_point().permille(), 869);
-/// assert!(best.prop_seg >= 72);
-/// ```
-///
-/// # Errors
-/// [`BusError`]: what stands in the way, with the window of sample points.
-pub fn solutions_for_bus<const K: usize>(
-    request: &Request,
-    limits: &Limits,
-    bus: &Bus,
-    tolerance_ppm: u32,
-) -> Result<Solutions<K>, BusError> {
-    let window = Window::new(request.bitrate, bus, tolerance_ppm);
-    if window.is_empty() {
-        return Err(BusError::Window { window });
-    }
-    let fit = |timing: &BitTiming| fit(timing, request, limits, bus, tolerance_ppm);
-    let ranked = solutions_where::<K>(request, limits, |timing| fit(timing).is_some())
-        .map_err(BusError::Solve)?
-        .map_timing(|timing| fit(&timing).unwrap_or(timing));
-    if ranked.iter().next().is_none() {
-        return Err(BusError::NoSetting { window, tolerance_ppm });
-    }
-    Ok(ranked)
-}
-
-/// The setting with PROP_SEG long enough for the bus, if it then still stands the tolerance.
-fn fit(
-    timing: &BitTiming,
-    request: &Request,
-    limits: &Limits,
-    bus: &Bus,
-    tolerance_ppm: u32,
-) -> Option<BitTiming> {
-    let quantum = u32::from(timing.prescaler) * u32::from(limits.clock_divider);
-    let needed = u16::try_from(bus.prop_seg(request.clock, quantum)).ok()?;
-    let prop_seg = timing.prop_seg.max(needed).max(limits.prop_seg.min);
-    let phase_seg1 = u16::try_from(timing.tseg1()).ok()?.checked_sub(prop_seg)?;
-    if phase_seg1 < limits.phase_seg1.min.max(1) || prop_seg > limits.prop_seg.max {
-        return None;
-    }
-    let largest = limits.sjw_limit(phase_seg1, timing.phase_seg2);
-    let sjw = match request.sjw {
-        SjwPolicy::Largest => largest,
-        SjwPolicy::AtMost(_) => timing.sjw.min(largest),
-        SjwPolicy::Exactly(asked) if asked <= largest => asked,
-        SjwPolicy::Exactly(_) => return None,
-    };
-    let fitted = BitTiming { prop_seg, phase_seg1, sjw, ..*timing };
-    let needed = Ratio::over(u64::from(tolerance_ppm), 1_000_000);
-    (classic_tolerance(&fitted).limit() >= needed).then_some(fitted)
 }

@@ -2,9 +2,9 @@
 //!
 //! Heads up: read "Why the search is exact and short" in `docs/timing.md` before a change here.
 
-use super::limits::{Bounds, PrescalerSpan, Span, max, min};
+use super::limits::{Bounds, max, min};
 use super::rank::Candidate;
-use super::{Limits, Request, SamplePointPolicy};
+use super::{Limits, PrescalerSpan, Request, SamplePointPolicy, Span};
 
 /// Highest clock in Hz that the solver takes: with 31 bits no comparison leaves 64 bits.
 pub const CLOCK_MAX: u32 = i32::MAX as u32;

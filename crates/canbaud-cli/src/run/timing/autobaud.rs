@@ -11,25 +11,24 @@ use super::args::TimingArgs;
 use super::json::{self, RegisterRecord, SettingRecord};
 use super::refusal::Refusal;
 use super::{plan, text};
-use crate::exit::Exit;
 
 /// Most bit rates in one table.
 const RATES_MAX: usize = 16;
 
-/// Builds and prints the table.
-pub(super) fn print(args: &TimingArgs) -> Result<Exit, Refusal> {
+/// Builds the table.
+pub(super) fn run(args: &TimingArgs) -> Result<String, Refusal> {
     let controller = plan::controller(args)?;
     let rows = rows(args, &controller)?;
     let timer = args.timer.or(args.clock).map_or(0, canbaud::units::Hertz::hertz);
     if args.json {
-        json::print(&TableRecord {
+        json::line(&TableRecord {
             kind: "autobaud_table",
             controller: controller.name,
             timer_hz: timer,
             rows: rows.iter().map(|row| record(&controller, row)).collect(),
         })
     } else {
-        Ok(text::print(&describe(&controller, timer, &rows)))
+        Ok(describe(&controller, timer, &rows))
     }
 }
 

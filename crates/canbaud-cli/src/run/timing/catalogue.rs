@@ -14,23 +14,26 @@ use crate::exit::Exit;
 
 /// `canbaud controllers`.
 pub(crate) fn controllers(args: &ControllersArgs) -> Exit {
-    list(args).unwrap_or_else(|refusal| refusal.tell(args.json))
+    match list(args) {
+        Ok(text) => text::print(&text),
+        Err(refusal) => refusal.tell(args.json),
+    }
 }
 
-fn list(args: &ControllersArgs) -> Result<Exit, Refusal> {
+/// What the command prints.
+pub(super) fn list(args: &ControllersArgs) -> Result<String, Refusal> {
     let chosen = match &args.name {
         Some(name) => vec![names::find(name)?],
         None => ALL.to_vec(),
     };
     if args.json {
         let controllers = chosen.iter().map(|controller| record(controller)).collect();
-        return json::print(&ListRecord { kind: "controllers", controllers });
+        return json::line(&ListRecord { kind: "controllers", controllers });
     }
-    let text = match (&args.name, &chosen[..]) {
+    Ok(match (&args.name, &chosen[..]) {
         (Some(_), [controller]) => detail(controller),
         _ => chosen.iter().map(|controller| line(controller)).collect(),
-    };
-    Ok(text::print(&text))
+    })
 }
 
 fn line(controller: &Controller) -> String {

@@ -11,12 +11,11 @@ use super::json::{self, RegisterRecord, SettingRecord};
 use super::picture::picture;
 use super::refusal::Refusal;
 use super::{plan, text};
-use crate::exit::Exit;
 
 type Words = Vec<(&'static Register, u32)>;
 
-/// Decodes and prints.
-pub(super) fn print(args: &TimingArgs, given: &str) -> Result<Exit, Refusal> {
+/// Decodes the words.
+pub(super) fn run(args: &TimingArgs, given: &str) -> Result<String, Refusal> {
     let controller = plan::controller(args)?;
     let words = words(&controller, given)?;
     let configuration = controller
@@ -24,9 +23,9 @@ pub(super) fn print(args: &TimingArgs, given: &str) -> Result<Exit, Refusal> {
         .map_err(|error| refuse(&controller, &error.to_string()))?;
     let outside = controller.check(&configuration).err().map(|error| error.to_string());
     if args.json {
-        print_json(args, &controller, &words, &configuration, outside)
+        as_json(args, &controller, &words, &configuration, outside)
     } else {
-        Ok(text::print(&describe(args, &controller, &words, &configuration, outside)))
+        Ok(describe(args, &controller, &words, &configuration, outside))
     }
 }
 
@@ -149,13 +148,13 @@ struct DecodedPhase {
     setting: SettingRecord,
 }
 
-fn print_json(
+fn as_json(
     args: &TimingArgs,
     controller: &Controller,
     words: &Words,
     configuration: &Configuration,
     outside_limits: Option<String>,
-) -> Result<Exit, Refusal> {
+) -> Result<String, Refusal> {
     let phase = |(phase, timing): (Phase, BitTiming)| {
         let setting = SettingRecord::of(&timing);
         let setting = match rate(args, controller, &timing) {
@@ -164,7 +163,7 @@ fn print_json(
         };
         DecodedPhase { phase: json::name(phase), setting }
     };
-    json::print(&DecodedRecord {
+    json::line(&DecodedRecord {
         kind: "decoded",
         controller: controller.name,
         clock_hz: args.clock.map(canbaud::units::Hertz::hertz),

@@ -7,13 +7,12 @@ use serde::Serialize;
 use super::plan::{Answer, PhaseAnswer};
 use super::refusal::Refusal;
 use super::{snippets, text};
-use crate::exit::Exit;
 
-/// Prints one object on one line; the exit code if that fails.
-pub(super) fn print(record: &impl Serialize) -> Result<Exit, Refusal> {
+/// One object on one line.
+pub(super) fn line(record: &impl Serialize) -> Result<String, Refusal> {
     let line = serde_json::to_string(record)
         .map_err(|error| Refusal::usage(format!("cannot write JSON: {error}"), None))?;
-    Ok(text::print(&(line + "\n")))
+    Ok(line + "\n")
 }
 
 /// Why there is no answer.
@@ -206,8 +205,8 @@ pub(super) const fn name(phase: canbaud::timing::controllers::Phase) -> &'static
 }
 
 /// The answer for one controller.
-pub(super) fn answer(answer: &Answer) -> Result<Exit, Refusal> {
-    print(&record(answer))
+pub(super) fn answer(answer: &Answer) -> Result<String, Refusal> {
+    line(&record(answer))
 }
 
 #[derive(Debug, Serialize)]
@@ -225,13 +224,13 @@ struct ImpossibleRecord<'a> {
 }
 
 /// The answers for all controllers.
-pub(super) fn all(answers: &[Answer], refusals: &[(&str, Refusal)]) -> Result<Exit, Refusal> {
+pub(super) fn all(answers: &[Answer], refusals: &[(&str, Refusal)]) -> Result<String, Refusal> {
     let impossible = refusals.iter().map(|(controller, refusal)| ImpossibleRecord {
         controller,
         message: &refusal.line,
         nearest_bitrate: refusal.nearest,
     });
-    print(&AllRecord {
+    line(&AllRecord {
         kind: "all",
         solutions: answers.iter().map(record).collect(),
         impossible: impossible.collect(),

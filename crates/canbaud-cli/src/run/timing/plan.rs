@@ -1,10 +1,12 @@
 //! From what the user said to the settings.
 
 use canbaud::timing::controllers::{ALL, Configuration, Controller, Phase};
-use canbaud::timing::fd::{PhaseRequests, SamplePoints, Tdc, solve_phases};
-use canbaud::timing::physics_bus::{Bus, Window, solutions_for_bus};
+use canbaud::timing::fd::{PhaseRequests, SamplePoints, solve_phases};
+use canbaud::timing::physics_bus::{Bus, Window};
+use canbaud::timing::physics_fit::{sample_points_for_bus, solutions_for_bus};
+use canbaud::timing::tdc::Tdc;
 use canbaud::timing::xl::{PwmLimits, pwm};
-use canbaud::timing::{Limits, Request, SamplePointPolicy, Solution, solutions};
+use canbaud::timing::{Limits, Request, Solution, solutions};
 use canbaud::units::{Bitrate, Hertz, Permille};
 
 use super::args::{Policy, TimingArgs};
@@ -37,23 +39,30 @@ pub(super) struct PhaseAnswer {
 
 /// `canbaud timing`.
 pub(crate) fn timing(args: &TimingArgs) -> Exit {
-    let done = match args {
-        TimingArgs { table: Some(table), .. } => tables::print(*table, args.json),
-        TimingArgs { autobaud_table: true, .. } => autobaud::print(args),
-        TimingArgs { decode: Some(words), .. } => decode::print(args, words),
-        TimingArgs { all: true, .. } => all(args),
-        _ => one(args),
-    };
-    done.unwrap_or_else(|refusal| refusal.tell(args.json))
+    match run(args) {
+        Ok(text) => text::print(&text),
+        Err(refusal) => refusal.tell(args.json),
+    }
 }
 
-fn one(args: &TimingArgs) -> Result<Exit, Refusal> {
+/// What the command prints.
+pub(super) fn run(args: &TimingArgs) -> Result<String, Refusal> {
+    match args {
+        TimingArgs { table: Some(table), .. } => tables::run(*table, args.json),
+        TimingArgs { autobaud_table: true, .. } => autobaud::run(args),
+        TimingArgs { decode: Some(words), .. } => decode::run(args, words),
+        TimingArgs { all: true, .. } => all(args),
+        _ => one(args),
+    }
+}
+
+fn one(args: &TimingArgs) -> Result<String, Refusal> {
     let answer = solve(args, &controller(args)?)?;
     if args.json { json::answer(&answer) } else { text::answer(&answer) }
 }
 
 /// One line for each controller; those that cannot do it are named at the end.
-fn all(args: &TimingArgs) -> Result<Exit, Refusal> {
+fn all(args: &TimingArgs) -> Result<String, Refusal> {
     let (mut answers, mut refusals) = (Vec::new(), Vec::new());
     for controller in ALL {
         match solve(args, &with_divider(controller, args)) {
@@ -198,14 +207,14 @@ fn several(
 ) -> Result<Answer, Refusal> {
     let nominal = &mut requests.nominal;
     let window = bus_tolerance(args).map(|ppm| Window::new(nominal.bitrate, &bus, ppm));
-    if let Some(window) = window {
+    if let Some(ppm) = bus_tolerance(args) {
         if args.policy != Policy::Nearest {
             return Err(Refusal::usage(
                 "--policy does not go with --length or --ppm and a data phase",
                 None,
             ));
         }
-        nominal.policy = within(&window)?;
+        nominal.policy = sample_points_for_bus(nominal.bitrate, &bus, ppm)?;
     }
     let nominal = requests.nominal;
     let solved = solve_phases(controller, &requests)?;
@@ -234,18 +243,4 @@ fn several(
     let clock = nominal.clock;
     let data_tdc = solved.data_tdc;
     Ok(Answer { controller: *controller, clock, phases, configuration, data_tdc, bus, window })
-}
-
-/// The window as a policy, its ends rounded inwards.
-fn within(window: &Window) -> Result<SamplePointPolicy, Refusal> {
-    let floor = window.latest.numerator() as u128 * 1_000 / window.latest.denominator() as u128;
-    let earliest = &window.earliest;
-    let ceil = (earliest.numerator() as u128 * 1_000).div_ceil(earliest.denominator() as u128);
-    let point = |permille: u128| u16::try_from(permille).ok().and_then(Permille::new);
-    match (point(ceil), point(floor)) {
-        (Some(earliest), Some(latest)) if earliest <= latest => {
-            Ok(SamplePointPolicy::Within { earliest, latest })
-        }
-        _ => Err(canbaud::timing::physics_bus::BusError::Window { window: *window }.into()),
-    }
 }

@@ -1,6 +1,6 @@
 //! Why there is no answer: one line, a hint, and the exit code.
 
-use canbaud::timing::physics_bus::BusError;
+use canbaud::timing::physics_fit::BusError;
 use canbaud::timing::{Rate, SolveError, fd::PhasesError};
 
 use crate::exit::Exit;
@@ -33,20 +33,24 @@ impl Refusal {
         self
     }
 
+    /// The same for programs.
+    pub(super) fn json(&self) -> Result<String, Self> {
+        super::json::line(&super::json::ErrorRecord {
+            kind: "error",
+            message: &self.line,
+            hint: self.hint.as_deref(),
+            nearest_bitrate: self.nearest,
+        })
+    }
+
     /// Tells the user, as JSON too if that is what is read.
     pub(super) fn tell(&self, json: bool) -> Exit {
         eprintln!("canbaud: {}", self.line);
         if let Some(hint) = &self.hint {
             eprintln!("  hint: {hint}");
         }
-        if json {
-            let error = super::json::ErrorRecord {
-                kind: "error",
-                message: &self.line,
-                hint: self.hint.as_deref(),
-                nearest_bitrate: self.nearest,
-            };
-            return super::json::print(&error).unwrap_or(self.exit);
+        if json && let Ok(line) = self.json() {
+            super::text::print(&line);
         }
         self.exit
     }

@@ -8,9 +8,8 @@ use canbaud::timing::tables::{
 use serde::Serialize;
 
 use super::args::TableName;
+use super::json;
 use super::refusal::Refusal;
-use super::{json, text};
-use crate::exit::Exit;
 
 /// A printed table: columns and rows of text, and what is wrong in each row of the document.
 #[derive(Debug, Serialize)]
@@ -28,21 +27,21 @@ struct Row {
     misprints: Vec<String>,
 }
 
-/// Prints a table.
-pub(super) fn print(name: TableName, as_json: bool) -> Result<Exit, Refusal> {
+/// The table with this name.
+pub(super) fn run(name: TableName, as_json: bool) -> Result<String, Refusal> {
     let tables = match name {
         TableName::Ap2925 => vec![ap2925()],
         TableName::Canopen => vec![canopen(), canopen_ticks()],
         TableName::Ds80c390 => vec![ds80c390()],
     };
     if as_json {
-        return json::print(&Tables { kind: "tables", tables });
+        return json::line(&Tables { kind: "tables", tables });
     }
     let mut text = String::new();
     for table in &tables {
         table.describe(&mut text);
     }
-    Ok(text::print(&text))
+    Ok(text)
 }
 
 #[derive(Debug, Serialize)]

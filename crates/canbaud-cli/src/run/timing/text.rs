@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
 use canbaud::timing::controllers::{Configuration, Controller, Phase, Register};
-use canbaud::timing::fd::Tdc;
 use canbaud::timing::physics::{classic_tolerance, fd_tolerance};
 use canbaud::timing::physics_bus::longest_bus_m;
+use canbaud::timing::tdc::Tdc;
 use canbaud::timing::{Ratio, Solution};
 
 use super::picture::picture;
@@ -25,7 +25,7 @@ pub(super) fn print(text: &str) -> Exit {
 }
 
 /// The answer for one controller.
-pub(super) fn answer(answer: &Answer) -> Result<Exit, Refusal> {
+pub(super) fn answer(answer: &Answer) -> Result<String, Refusal> {
     let mut text = String::new();
     heading(&mut text, answer);
     for phase in &answer.phases {
@@ -34,7 +34,7 @@ pub(super) fn answer(answer: &Answer) -> Result<Exit, Refusal> {
     notes(&mut text, answer);
     registers(&mut text, &answer.controller, &answer.configuration);
     let _ = write!(text, "\n{}", snippets::all(answer));
-    Ok(print(&text))
+    Ok(text)
 }
 
 fn heading(text: &mut String, answer: &Answer) {
@@ -230,7 +230,7 @@ pub(super) fn hex(register: &Register, word: u32) -> String {
 }
 
 /// One line for each controller.
-pub(super) fn all(answers: &[Answer], refusals: &[(&str, Refusal)]) -> Result<Exit, Refusal> {
+pub(super) fn all(answers: &[Answer], refusals: &[(&str, Refusal)]) -> Result<String, Refusal> {
     let mut text = String::new();
     for answer in answers {
         let phases: Vec<String> = answer
@@ -266,5 +266,5 @@ pub(super) fn all(answers: &[Answer], refusals: &[(&str, Refusal)]) -> Result<Ex
     for (name, refusal) in refusals {
         let _ = writeln!(text, "{name:<21} - {}", refusal.line);
     }
-    Ok(print(&text))
+    Ok(text)
 }

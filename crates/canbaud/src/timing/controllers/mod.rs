@@ -24,6 +24,7 @@ mod configuration;
 mod controller;
 mod draft;
 mod error;
+mod field;
 mod list;
 pub mod register;
 
