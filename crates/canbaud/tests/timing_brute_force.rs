@@ -107,7 +107,7 @@ fn solve_equals_brute_force_under_every_sample_point_policy() {
                 let best = segments.best_in_policy(clock, bitrate, point, policy);
                 match (solved(&request, limits), best) {
                     (Ok(found), Some(best)) => {
-                        assert_eq!(found, best, "seed {seed:#x} {} {request:?}", controller.name)
+                        assert_eq!(found, best, "seed {seed:#x} {} {request:?}", controller.name);
                     }
                     (Err(None), None) => {}
                     (Err(Some(divisor)), Some(best)) => {

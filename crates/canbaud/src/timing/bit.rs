@@ -112,8 +112,10 @@ impl Rate {
         let clock = self.clock as u128;
         let (difference, sign) =
             if clock >= asked { (clock - asked, 1) } else { (asked - clock, -1) };
-        let ppb = (difference * 1_000_000_000 + asked / 2) / asked;
-        let ppb = if ppb > i64::MAX as u128 { i64::MAX } else { ppb as i64 };
+        let ppb = match (difference * 1_000_000_000 + asked / 2).checked_div(asked) {
+            Some(ppb) if ppb <= i64::MAX as u128 => ppb as i64,
+            _ => i64::MAX,
+        };
         sign * ppb
     }
 }

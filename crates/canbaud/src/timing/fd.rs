@@ -210,7 +210,8 @@ fn candidates(problems: &[Option<PhaseProblem>; 3]) -> impl Iterator<Item = u16>
         let quanta = u64::from(problem.limits.quanta().min.max(1));
         let rate = u64::from(problem.request.bitrate.bits_per_second());
         let divider = u64::from(problem.limits.clock_divider.max(1));
-        problem.request.clock.hertz() / (rate * divider * quanta) + 1
+        let clocks = problem.request.clock.hertz();
+        clocks.checked_div(rate * divider * quanta).unwrap_or(0) + 1
     });
     let most = most.min().unwrap_or(0).min(u64::from(u16::MAX)) as u16;
     let offered = |prescaler: &u16| {

@@ -63,7 +63,7 @@ impl Bus {
         let periods = self.propagation_ps() as u128 * clock.hertz() as u128;
         let quantum =
             PICOSECONDS_PER_SECOND * if quantum_clocks == 0 { 1 } else { quantum_clocks as u128 };
-        let quanta = periods.div_ceil(quantum);
+        let quanta = quotient(periods + quantum - 1, quantum);
         if quanta > u64::MAX as u128 { u64::MAX } else { quanta as u64 }
     }
 }
@@ -117,7 +117,7 @@ pub const fn outer_bus_m(
 pub const fn longest_possible_m(bitrate: Bitrate, bus: &Bus, tolerance_ppm: u32) -> Option<u32> {
     let (phase, whole) = phase_share(tolerance_ppm);
     let room = whole.saturating_sub(2 * phase) as u128 * PICOSECONDS_PER_SECOND;
-    metres(room / (whole as u128 * bitrate.bits_per_second() as u128), bus)
+    metres(quotient(room, whole as u128 * bitrate.bits_per_second() as u128), bus)
 }
 
 /// What a phase segment needs of the bit, `26 df / (1 + 2 df)`, as numerator and denominator.
@@ -127,7 +127,15 @@ const fn phase_share(tolerance_ppm: u32) -> (u64, u64) {
 }
 
 const fn longest_m(clocks: u64, clock: Hertz, bus: &Bus) -> Option<u32> {
-    metres(clocks as u128 * PICOSECONDS_PER_SECOND / clock.hertz() as u128, bus)
+    metres(quotient(clocks as u128 * PICOSECONDS_PER_SECOND, clock.hertz() as u128), bus)
+}
+
+/// `a / b` without the panic of a division by 0, which none of the divisors here is.
+const fn quotient(a: u128, b: u128) -> u128 {
+    match a.checked_div(b) {
+        Some(quotient) => quotient,
+        None => u128::MAX,
+    }
 }
 
 /// The cable that is left of a round trip.
@@ -136,7 +144,7 @@ const fn metres(round_trip_ps: u128, bus: &Bus) -> Option<u32> {
     if round_trip_ps < nodes_ps || bus.cable_delay_ps_per_m == 0 {
         return None;
     }
-    let metres = (round_trip_ps - nodes_ps) / (2 * bus.cable_delay_ps_per_m as u128);
+    let metres = quotient(round_trip_ps - nodes_ps, 2 * bus.cable_delay_ps_per_m as u128);
     Some(if metres > u32::MAX as u128 { u32::MAX } else { metres as u32 })
 }
 

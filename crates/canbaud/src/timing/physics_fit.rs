@@ -80,8 +80,11 @@ pub fn sample_points_for_bus(
 ) -> Result<SamplePointPolicy, BusError> {
     let window = Window::new(bitrate, bus, tolerance_ppm);
     let (early, late) = (window.earliest, window.latest);
-    let ceil = (u128::from(early.numerator()) * 1_000).div_ceil(u128::from(early.denominator()));
-    let floor = u128::from(late.numerator()) * 1_000 / u128::from(late.denominator());
+    let whole = |ratio: Ratio, round_up: u64| {
+        let scaled = u128::from(ratio.numerator()) * 1_000 + u128::from(round_up);
+        scaled.checked_div(u128::from(ratio.denominator())).unwrap_or(u128::MAX)
+    };
+    let (ceil, floor) = (whole(early, early.denominator() - 1), whole(late, 0));
     let point = |permille: u128| u16::try_from(permille).ok().and_then(Permille::new);
     match (point(ceil), point(floor)) {
         (Some(earliest), Some(latest)) if earliest <= latest => {

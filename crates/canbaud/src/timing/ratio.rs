@@ -46,7 +46,7 @@ impl Ratio {
     #[must_use]
     pub const fn scaled(self, scale: u32) -> u64 {
         let product = self.numerator as u128 * scale as u128;
-        let rounded = (product + self.denominator as u128 / 2) / self.denominator as u128;
+        let rounded = quotient(product + self.denominator as u128 / 2, self.denominator);
         if rounded > u64::MAX as u128 { u64::MAX } else { rounded as u64 }
     }
 
@@ -59,7 +59,7 @@ impl Ratio {
     /// In parts per million, rounded down: a tolerance must not be promised too high.
     #[must_use]
     pub const fn ppm_floor(self) -> u64 {
-        let ppm = self.numerator as u128 * 1_000_000 / self.denominator as u128;
+        let ppm = quotient(self.numerator as u128 * 1_000_000, self.denominator);
         if ppm > u64::MAX as u128 { u64::MAX } else { ppm as u64 }
     }
 
@@ -68,6 +68,14 @@ impl Ratio {
     pub const fn is_below(self, other: Self) -> bool {
         (self.numerator as u128 * other.denominator as u128)
             < (other.numerator as u128 * self.denominator as u128)
+    }
+}
+
+/// `a / b` without the panic of a division by 0, which no denominator is.
+const fn quotient(a: u128, b: u64) -> u128 {
+    match a.checked_div(b as u128) {
+        Some(quotient) => quotient,
+        None => u128::MAX,
     }
 }
 

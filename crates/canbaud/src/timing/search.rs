@@ -161,24 +161,24 @@ impl Search {
     /// Finds the best of a progression: small prescalers one by one, for the others small
     /// quanta one by one.
     const fn search(&mut self, progression: &Progression) {
-        let ratio = self.clock / progression.unit;
+        let ratio = quotient(self.clock, progression.unit);
         let (n_min, n_max) = (self.quanta.min as u32, self.quanta.max as u32);
         if self.points.is_patchy() {
-            let useful = 2 * self.clock / (progression.unit * progression.low);
+            let useful = quotient(2 * self.clock, progression.unit * progression.low);
             return self.by_quanta(progression, n_min, clamp(useful, n_min, n_max));
         }
-        let k_low = clamp(ratio / n_max, progression.low, progression.high);
-        let k_high = clamp(ratio / n_min + 1, progression.low, progression.high);
-        let n_low = clamp(ratio / progression.high, n_min, n_max);
-        let n_high = clamp(ratio / progression.low + 1, n_min, n_max);
-        let root = 1 << ((32 - ratio.leading_zeros()) / 2);
+        let k_low = clamp(quotient(ratio, n_max), progression.low, progression.high);
+        let k_high = clamp(quotient(ratio, n_min) + 1, progression.low, progression.high);
+        let n_low = clamp(quotient(ratio, progression.high), n_min, n_max);
+        let n_high = clamp(quotient(ratio, progression.low) + 1, n_min, n_max);
+        let root = 1_u32 << ((32 - ratio.leading_zeros()) / 2);
         if root >= k_high {
             self.by_prescaler(progression, k_low, k_high);
         } else if root < k_low {
             self.by_quanta(progression, n_low, n_high);
         } else {
             // Whatever has a larger prescaler than `root` has at most this many quanta.
-            let n_split = ratio / root + 1;
+            let n_split = quotient(ratio, root) + 1;
             let n_split = if n_split < n_high { n_split } else { n_high };
             if self.by_prescaler(progression, k_low, root) {
                 return;
@@ -194,7 +194,7 @@ impl Search {
         let mut k = low;
         let mut divisor = progression.unit * low;
         while k <= high {
-            let quanta = self.clock / divisor;
+            let quanta = quotient(self.clock, divisor);
             let exact = quanta * divisor == self.clock;
             if exact || !self.has_exact() {
                 let prescaler = k * progression.step;
@@ -220,7 +220,7 @@ impl Search {
         let mut quanta = high;
         while quanta >= low {
             let divisor = progression.unit * quanta;
-            let k = self.clock / divisor;
+            let k = quotient(self.clock, divisor);
             let exact = k * divisor == self.clock;
             if exact || !self.has_exact() {
                 if k >= progression.low {
@@ -264,6 +264,14 @@ impl Search {
 
     const fn has_exact(&self) -> bool {
         matches!(&self.best, Some(best) if best.rate_error == 0)
+    }
+}
+
+/// `a / b` without the panic of a division by 0, which none of the divisors here is.
+const fn quotient(a: u32, b: u32) -> u32 {
+    match a.checked_div(b) {
+        Some(quotient) => quotient,
+        None => u32::MAX,
     }
 }
 

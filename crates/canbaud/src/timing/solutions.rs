@@ -139,13 +139,15 @@ fn for_each(request: &Request, limits: &Limits, mut visit: impl FnMut(Candidate)
 /// most a factor of two off.
 fn prescalers_within(clock: u64, per_step: u64, request: &Request) -> (u64, u64) {
     let tolerance = u128::from(request.tolerance_ppm.min(1_000_000));
+    let quotient = |a: u128, b: u128| a.checked_div(b).unwrap_or(0);
     let scaled = u128::from(clock) * 1_000_000;
-    let low = scaled.div_ceil(u128::from(per_step) * (1_000_000 + tolerance));
+    let per_step = u128::from(per_step);
+    let fastest = per_step * (1_000_000 + tolerance);
+    let low = quotient(scaled + fastest - 1, fastest);
+    let half = quotient(2 * u128::from(clock), per_step);
     let high = match 1_000_000 - tolerance {
-        0 => u128::from(2 * clock / per_step),
-        slowest => {
-            (scaled / (u128::from(per_step) * slowest)).min(u128::from(2 * clock / per_step))
-        }
+        0 => half,
+        slowest => quotient(scaled, per_step * slowest).min(half),
     };
     (low as u64, high as u64)
 }

@@ -189,7 +189,7 @@ fn sample_point(text: &str) -> Result<Permille, String> {
     let Some(number) = text.strip_suffix('%') else {
         let suggestion = match text.parse::<f64>() {
             Ok(share) if share > 0.0 && share < 1.0 => share * 100.0,
-            Ok(permille) if permille >= 100.0 && permille < 1_000.0 => permille / 10.0,
+            Ok(permille) if (100.0..1_000.0).contains(&permille) => permille / 10.0,
             Ok(percent) if (1.0..100.0).contains(&percent) => percent,
             _ => return Err(format!("a sample point is written as 80% ({RANGE})")),
         };

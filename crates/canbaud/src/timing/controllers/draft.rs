@@ -1,5 +1,6 @@
 //! A configuration while it is read from registers.
 
+use super::field::{ones, shifted};
 use super::register::{Content, Field, Part, PwmPart, Scale};
 use super::{Configuration, Phase, Pwm, RegisterError};
 use crate::timing::{BitTiming, Limits};
@@ -136,10 +137,10 @@ impl PhaseDraft {
             Part::Prescaler => {
                 let (before, missing) = match self.prescaler {
                     Some((_, before)) => (before, self.prescaler_missing),
-                    None => (0, ((1_u64 << field.value_bits) - 1) as u32),
+                    None => (0, ones(field.value_bits)),
                 };
-                let share = ((1_u32 << field.width) - 1) << field.shift;
-                self.prescaler = Some((*field, before | stored << field.shift));
+                let share = shifted(ones(field.width), field.shift);
+                self.prescaler = Some((*field, before | shifted(stored, field.shift)));
                 self.prescaler_missing = missing & !share;
             }
             Part::PrescalerScale => {
@@ -168,7 +169,7 @@ impl PhaseDraft {
             return None;
         }
         let base = field.encoding.decode(stored, field.value_bits);
-        u16::try_from(base * i32::from(self.factor)).ok()
+        u16::try_from(i64::from(base) * i64::from(self.factor)).ok()
     }
 
     const fn is_empty(&self) -> bool {

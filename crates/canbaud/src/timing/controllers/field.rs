@@ -102,11 +102,11 @@ impl Encoding {
             Self::HalfMinusOne if value % 2 != 0 => return None,
             Self::HalfMinusOne => value / 2 - 1,
             Self::Signed => {
-                let half = 1_i32 << (width - 1);
-                if value < -half || value >= half {
+                let (min, max) = signed_range(width);
+                if value < min || value > max {
                     return None;
                 }
-                value & (2 * half - 1)
+                value & ones(width) as i32
             }
         };
         if stored < 0 { None } else { Some(stored as u32) }
@@ -114,14 +114,14 @@ impl Encoding {
 
     /// The real value of a stored one.
     pub(super) const fn decode(self, stored: u32, width: u8) -> i32 {
-        // No field is wider than 16 bits, so nothing here overflows.
+        // No field is wider than 16 bits, so nothing here wraps.
         let stored = stored as i32;
         match self {
             Self::Raw => stored,
-            Self::MinusOne => stored + 1,
-            Self::MinusTwo => stored + 2,
-            Self::HalfMinusOne => (stored + 1) * 2,
-            Self::Signed if stored >> (width - 1) != 0 => stored - (1 << width),
+            Self::MinusOne => stored.wrapping_add(1),
+            Self::MinusTwo => stored.wrapping_add(2),
+            Self::HalfMinusOne => stored.wrapping_add(1).wrapping_mul(2),
+            Self::Signed if stored > signed_range(width).1 => stored | !(ones(width) as i32),
             Self::Signed => stored,
         }
     }
@@ -171,13 +171,16 @@ impl Field {
     /// The bits of this field in the register.
     #[must_use]
     pub const fn mask(&self) -> u32 {
-        (((1_u64 << self.width) - 1) << self.lsb) as u32
+        shifted(ones(self.width), self.lsb)
     }
 
     /// The stored value of this field in `word`.
     #[must_use]
     pub const fn stored(&self, word: u32) -> u32 {
-        (word & self.mask()) >> self.lsb
+        match (word & self.mask()).checked_shr(self.lsb as u32) {
+            Some(stored) => stored,
+            None => 0,
+        }
     }
 
     /// The real value of this field in `word`; `None` where another field holds the rest of it.
@@ -201,4 +204,26 @@ impl Field {
             Content::Constant(_) | Content::Other => None,
         }
     }
+}
+
+/// A word with the lowest `bits` bits set.
+pub(super) const fn ones(bits: u8) -> u32 {
+    match 1_u32.checked_shl(bits as u32) {
+        Some(next) => next - 1,
+        None => u32::MAX,
+    }
+}
+
+/// `word << by`; nothing is left of it from 32 on.
+pub(super) const fn shifted(word: u32, by: u8) -> u32 {
+    match word.checked_shl(by as u32) {
+        Some(shifted) => shifted,
+        None => 0,
+    }
+}
+
+/// Lowest and highest value in two's complement of `width` bits.
+pub(super) const fn signed_range(width: u8) -> (i32, i32) {
+    let max = (ones(width) >> 1) as i32;
+    (-max - 1, max)
 }

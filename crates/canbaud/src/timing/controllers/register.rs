@@ -2,6 +2,7 @@
 
 use super::draft::Draft;
 pub use super::field::{Content, Encoding, Field, Part, PwmPart};
+use super::field::{ones, shifted, signed_range};
 use super::{Configuration, RegisterError};
 use crate::timing::BitTiming;
 
@@ -100,7 +101,7 @@ impl Register {
         let mut rest = self.fields;
         while let Some((field, others)) = rest.split_first() {
             match self.pack_field(field, configuration) {
-                Ok(stored) => word |= stored << field.lsb,
+                Ok(stored) => word |= shifted(stored, field.lsb),
                 Err(error) => return Err(error),
             }
             rest = others;
@@ -139,8 +140,9 @@ impl Register {
             Content::Other => return Ok(0),
         };
         match field.encoding.encode(value, field.value_bits) {
-            Some(stored) if stored >> field.value_bits == 0 => {
-                Ok((stored >> field.shift) & ((1 << field.width) - 1))
+            Some(stored) if stored & !ones(field.value_bits) == 0 => {
+                let part = shifted(ones(field.width), field.shift) & stored;
+                Ok(part.wrapping_shr(field.shift as u32))
             }
             _ => Err(self.field_error(field, value)),
         }
@@ -165,9 +167,9 @@ impl Register {
     }
 
     pub(super) const fn field_error(&self, field: &Field, value: i32) -> RegisterError {
-        let highest = (1_u32 << field.value_bits) - 1;
+        let highest = ones(field.value_bits);
         let (min, max) = match field.encoding {
-            Encoding::Signed => (-(1 << (field.width - 1)), (1 << (field.width - 1)) - 1),
+            Encoding::Signed => signed_range(field.width),
             encoding => (encoding.decode(0, field.width), encoding.decode(highest, field.width)),
         };
         RegisterError::Field { register: self.name, field: field.name, value, min, max }
@@ -176,7 +178,7 @@ impl Register {
     /// Bits that belong to no field.
     #[must_use]
     pub const fn reserved(&self) -> u32 {
-        let mut mask = ((1_u64 << self.bits) - 1) as u32;
+        let mut mask = ones(self.bits);
         let mut rest = self.fields;
         while let Some((field, others)) = rest.split_first() {
             mask &= !field.mask();
@@ -191,7 +193,7 @@ impl Register {
         word: u32,
         draft: &mut Draft,
     ) -> Result<(), RegisterError> {
-        if self.bits < 32 && word >> self.bits != 0 {
+        if word & !ones(self.bits) != 0 {
             return Err(RegisterError::TooWide { register: self.name, word, bits: self.bits });
         }
         let reserved = word & self.reserved();

@@ -146,11 +146,13 @@ fn window(timer: Hertz, bitrate: Bitrate, deviation: Deviation) -> TickWindow {
     let (low, high) = match deviation {
         Deviation::Ticks(ticks) => {
             let ticks = u64::from(ticks);
-            (clock.div_ceil(rate).saturating_sub(ticks), clock / rate + ticks)
+            (ceil(expected).saturating_sub(ticks), floor(expected) + ticks)
         }
         Deviation::Widest => {
-            let low = (clock * 7).div_ceil(rate * 8);
-            (low.min(clock / rate), (clock * 9 / (rate * 8)).max(clock.div_ceil(rate)))
+            // At most 10^15 Hz and 2^32 bit/s: no product leaves 64 bits.
+            let low = ceil(Ratio::over(clock * 7, rate * 8));
+            let high = floor(Ratio::over(clock * 9, rate * 8));
+            (low.min(floor(expected)), high.max(ceil(expected)))
         }
     };
     TickWindow { bitrate, expected, low, high }
@@ -174,12 +176,13 @@ fn separate(windows: &mut [TickWindow]) {
     }
 }
 
-const fn floor(ratio: Ratio) -> u64 {
-    ratio.numerator() / ratio.denominator()
+fn floor(ratio: Ratio) -> u64 {
+    ratio.numerator().checked_div(ratio.denominator()).unwrap_or(u64::MAX)
 }
 
-const fn ceil(ratio: Ratio) -> u64 {
-    ratio.numerator().div_ceil(ratio.denominator())
+fn ceil(ratio: Ratio) -> u64 {
+    let floor = floor(ratio);
+    floor + u64::from(floor * ratio.denominator() != ratio.numerator())
 }
 
 /// One line of an autobaud table.
