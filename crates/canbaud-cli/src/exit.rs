@@ -60,6 +60,7 @@ mod tests {
         let codes = [Exit::Found, Exit::Usage, Exit::Undecided, Exit::NoTraffic, Exit::Unreadable]
             .map(Exit::code);
         assert_eq!(codes, [0, 2, 3, 4, 5]);
+        assert_eq!(Exit::Impossible.code(), 3);
     }
 
     #[test]
