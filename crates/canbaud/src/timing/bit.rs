@@ -128,9 +128,26 @@ impl PartialEq for Rate {
 
 impl Eq for Rate {}
 
-impl fmt::Display for Rate {
-    /// Exact to 10⁻³ bit/s below 1 Mbit/s, with the suffix that people write.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl From<Bitrate> for Rate {
+    fn from(bitrate: Bitrate) -> Self {
+        Self { clock: bitrate.bits_per_second().into(), divisor: 1 }
+    }
+}
+
+impl Rate {
+    /// As people say it, with its unit.
+    ///
+    /// ```
+    /// use canbaud::{timing::Rate, units::Bitrate};
+    /// let words = Rate::from(Bitrate::new(83_333).unwrap()).words();
+    /// assert_eq!(words.to_string(), "83.333 kbit/s");
+    /// ```
+    #[must_use]
+    pub const fn words(self) -> RateWords {
+        RateWords(self)
+    }
+
+    fn write(self, f: &mut fmt::Formatter<'_>, space: &str) -> fmt::Result {
         let rate = self.millibits_per_second();
         let (unit, mut width, suffix) = match rate {
             0..1_000_000 => (1_000, 3, ""),
@@ -143,9 +160,27 @@ impl fmt::Display for Rate {
             width -= 1;
         }
         if width == 0 {
-            write!(f, "{}{suffix}", rate / unit)
+            write!(f, "{}{space}{suffix}", rate / unit)
         } else {
-            write!(f, "{}.{fraction:0width$}{suffix}", rate / unit)
+            write!(f, "{}.{fraction:0width$}{space}{suffix}", rate / unit)
         }
+    }
+}
+
+impl fmt::Display for Rate {
+    /// To 10⁻³ bit/s, with the suffix that people write: `807.692308k`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write(f, "")
+    }
+}
+
+/// A bit rate with its unit, from [`Rate::words`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RateWords(Rate);
+
+impl fmt::Display for RateWords {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.write(f, " ")?;
+        f.write_str("bit/s")
     }
 }

@@ -178,8 +178,13 @@ pub fn diagnose(expected: Bitrate, measured_millibits: u64, uncertainty_ppm: u32
     if is_near(residual(1, 1), allowed) {
         return answer((1, 1), Cause::AsExpected);
     }
-    let known = FACTORS.iter().find(|(n, d, _)| is_near(residual(*n, *d), allowed));
-    if let Some((numerator, denominator, cause)) = known {
+    // The nearest of those within reach; the more plausible of two that are equally near.
+    let known = FACTORS
+        .iter()
+        .map(|known| (residual(known.0, known.1), known))
+        .filter(|(ppm, _)| is_near(*ppm, allowed))
+        .min_by_key(|(ppm, _)| ppm.unsigned_abs());
+    if let Some((_, (numerator, denominator, cause))) = known {
         return answer((*numerator, *denominator), *cause);
     }
     // A prescaler or bit length from 2 to 26, one too long or too short.
@@ -211,5 +216,68 @@ impl Diagnosis {
     #[must_use]
     pub const fn ratio(&self) -> Ratio {
         Ratio::over(self.factor.0 as u64, self.factor.1 as u64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn expected() -> Bitrate {
+        Bitrate::new(500_000).unwrap()
+    }
+
+    /// 500 kbit/s times the factor, off by so many ppm, in 1/1000 bit/s.
+    fn measured(numerator: u64, denominator: u64, ppm: i64) -> u64 {
+        let exact = 500_000_000 * numerator / denominator;
+        exact.saturating_add_signed(exact as i64 * ppm / 1_000_000)
+    }
+
+    #[test]
+    fn every_known_factor_is_named_with_clocks_that_are_off() {
+        for (numerator, denominator, cause) in FACTORS {
+            for ppm in [-3_000, 0, 3_000] {
+                let rate = measured(numerator.into(), denominator.into(), ppm);
+                let diagnosis = diagnose(expected(), rate, 100);
+                assert_eq!(diagnosis.factor, (numerator, denominator), "{ppm} ppm");
+                assert_eq!(diagnosis.cause, cause);
+                assert!(diagnosis.residual_ppm.abs() <= 3_001);
+            }
+        }
+    }
+
+    #[test]
+    fn factors_are_far_enough_apart_for_the_nearest_to_decide() {
+        for (index, (n, d, _)) in FACTORS.iter().enumerate() {
+            for (m, e, _) in FACTORS.iter().skip(index + 1) {
+                let (a, b) = (n * e, m * d);
+                assert!(a.abs_diff(b) * 1_000 > a.max(b) * 7, "{n}/{d} {m}/{e}");
+            }
+        }
+    }
+
+    #[test]
+    fn minus_one_slips_are_named() {
+        // A prescaler of 6 written as it is takes effect as 7.
+        let diagnosis = diagnose(expected(), measured(6, 7, 100), 50);
+        assert_eq!(diagnosis.cause, Cause::OffByOne { actual: 7, meant: 6 });
+        // 16 quanta configured, SYNC_SEG forgotten: see the pair 170 and 160 MHz, the same ratio.
+        assert_eq!(diagnose(expected(), measured(16, 17, 0), 50).factor, (16, 17));
+    }
+
+    #[test]
+    fn a_poor_clock_is_told_from_another_rate() {
+        assert_eq!(diagnose(expected(), measured(1, 1, 4_900), 0).cause, Cause::AsExpected);
+        assert_eq!(diagnose(expected(), measured(1, 1, -15_000), 0).cause, Cause::ClockOff);
+        assert_eq!(diagnose(expected(), measured(1, 1, 200_000), 0).factor, (6, 5));
+        assert_eq!(diagnose(expected(), measured(7, 1, 0), 0).cause, Cause::Unexplained);
+    }
+
+    #[test]
+    fn extremes_saturate() {
+        assert_eq!(diagnose(expected(), 0, 0).cause, Cause::Unexplained);
+        let fastest = diagnose(Bitrate::new(1).unwrap(), u64::MAX, 0);
+        assert_eq!((fastest.cause, fastest.residual_ppm), (Cause::Unexplained, i32::MAX));
+        let _ = diagnose(Bitrate::new(u32::MAX).unwrap(), u64::MAX, u32::MAX);
     }
 }

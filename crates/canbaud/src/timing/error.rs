@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::Rate;
+use super::{Rate, RateWords};
 use crate::units::{Bitrate, Hertz, Permille};
 
 /// Why no setting meets the request: the limit that stands in the way, and the nearest reachable
@@ -91,6 +91,10 @@ impl SolveError {
     }
 }
 
+fn words(bitrate: Bitrate) -> RateWords {
+    Rate::from(bitrate).words()
+}
+
 impl fmt::Display for SolveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -100,21 +104,27 @@ impl fmt::Display for SolveError {
             Self::Limits => f.write_str("the limits of the controller contradict each other"),
             Self::TooFast { bitrate, divisor_min, nearest } => write!(
                 f,
-                "{bitrate}bit/s needs fewer than the {divisor_min} clock periods that a bit takes \
-                 at least; the fastest reachable rate is {nearest}bit/s"
+                "{} needs fewer than the {divisor_min} clock periods that a bit takes \
+                 at least; the fastest reachable rate is {}",
+                words(*bitrate),
+                nearest.words()
             ),
             Self::TooSlow { bitrate, divisor_max, nearest } => write!(
                 f,
-                "{bitrate}bit/s needs more than the {divisor_max} clock periods that a bit takes \
+                "{} needs more than the {divisor_max} clock periods that a bit takes \
                  at most (prescaler and segments at their highest); the slowest reachable rate is \
-                 {nearest}bit/s"
+                 {}",
+                words(*bitrate),
+                nearest.words()
             ),
             Self::NotClose { bitrate, nearest, tolerance_ppm } => {
                 let error = nearest.error_ppb(*bitrate);
                 write!(
                     f,
-                    "no prescaler and bit length come within {tolerance_ppm} ppm of {bitrate}bit/s; \
-                     the nearest reachable rate is {nearest}bit/s ({}{}.{:03} ppm)",
+                    "no prescaler and bit length come within {tolerance_ppm} ppm of {}; the \
+                     nearest reachable rate is {} ({}{}.{:03} ppm)",
+                    words(*bitrate),
+                    nearest.words(),
                     if error < 0 { "-" } else { "+" },
                     error.unsigned_abs() / 1_000,
                     error.unsigned_abs() % 1_000

@@ -51,7 +51,7 @@ pub mod tables;
 pub mod tdc;
 pub mod xl;
 
-pub use bit::{BitTiming, Rate};
+pub use bit::{BitTiming, Rate, RateWords};
 pub use error::SolveError;
 pub use limits::{Limits, Rules, Span, Violation};
 pub use macros::solve_raw;

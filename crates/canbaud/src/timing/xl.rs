@@ -113,3 +113,49 @@ const fn is_apart(clock: Hertz, short: u64, long: u64) -> bool {
 pub const fn short_share(pwm: &Pwm) -> Ratio {
     Ratio::over(pwm.short as u64, pwm.short as u64 + pwm.long as u64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn coding(clock_mhz: u64, xl_bits_per_second: u64) -> Result<Pwm, PwmError> {
+        let hertz = clock_mhz * 1_000_000;
+        let clock = Hertz::new(hertz).unwrap();
+        pwm(clock, hertz / xl_bits_per_second, hertz / 500_000, PwmLimits::SIX_BITS)
+    }
+
+    /// The defaults of the Linux kernel at 80 and 160 MHz beside 500 kbit/s.
+    #[test]
+    fn usual_rates_get_the_usual_symbols() {
+        for (clock_mhz, rate, short, long) in [
+            (80, 10_000_000, 2, 6),
+            (160, 10_000_000, 4, 12),
+            (80, 5_000_000, 4, 12),
+            (160, 5_000_000, 8, 24),
+            (80, 20_000_000, 1, 3),
+            (160, 20_000_000, 2, 6),
+            (80, 2_000_000, 3, 7),
+            (160, 2_000_000, 5, 15),
+        ] {
+            let expected = Pwm { short, long, offset: 0 };
+            assert_eq!(coding(clock_mhz, rate), Ok(expected), "{clock_mhz} MHz, {rate} bit/s");
+        }
+    }
+
+    #[test]
+    fn the_offset_is_what_the_nominal_bit_leaves() {
+        let clock = Hertz::new(80_000_000).unwrap();
+        // 10 clocks a symbol, 96 clocks a nominal bit.
+        let coding = pwm(clock, 40, 96, PwmLimits::SIX_BITS).unwrap();
+        assert_eq!((coding.short + coding.long, coding.offset), (10, 6));
+        assert_eq!(short_share(&coding), Ratio::over(3, 10));
+    }
+
+    #[test]
+    fn parts_must_be_ten_nanoseconds_apart() {
+        // 20 Mbit/s at 40 MHz: 2 clocks, one each.
+        assert_eq!(coding(40, 20_000_000), Err(PwmError::NoSymbol { xl_bit_clocks: 2 }));
+        let clock = Hertz::new(80_000_000).unwrap();
+        assert_eq!(pwm(clock, 0, 160, PwmLimits::SIX_BITS), Err(PwmError::NoBit));
+    }
+}

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use canbaud::timing::Rate;
 use canbaud::timing::controllers::{Configuration, Controller};
 use canbaud::timing::tables::{AutobaudError, AutobaudRow, AutobaudTable, Deviation};
 use canbaud::units::Bitrate;
@@ -60,7 +61,10 @@ fn build<const N: usize>(
     let refuse = |error: AutobaudError| match error {
         AutobaudError::Solve(bitrate, inner) => {
             let refusal = Refusal::from(inner);
-            Refusal { line: format!("{bitrate}bit/s: {}", refusal.line), ..refusal }
+            Refusal {
+                line: format!("{}: {}", Rate::from(bitrate).words(), refusal.line),
+                ..refusal
+            }
         }
         _ => Refusal::impossible(error.to_string(), None),
     };
@@ -97,7 +101,7 @@ fn describe(controller: &Controller, timer: u64, rows: &[AutobaudRow]) -> String
         let _ = writeln!(
             text,
             "{:>12}  {ticks:>20}  {point:>12}  {}",
-            format!("{}bit/s", window.bitrate),
+            Rate::from(window.bitrate).words().to_string(),
             words.join(" ")
         );
     }

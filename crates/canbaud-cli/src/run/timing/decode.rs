@@ -103,7 +103,7 @@ fn describe(
         let clocks = timing.clocks_per_bit(controller.nominal.clock_divider);
         match rate(args, controller, &timing) {
             Some(rate) => {
-                let _ = write!(text, "\n{phase} phase: {rate}bit/s");
+                let _ = write!(text, "\n{phase} phase: {}", rate.words());
             }
             None => {
                 let _ =

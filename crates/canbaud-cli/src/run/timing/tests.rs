@@ -157,7 +157,7 @@ fn autobaud_tables_are_built_or_refused() {
     let refusal = timing("--clock 10M -c sja1000 --autobaud-table --rates 1M,800k --deviation 2")
         .unwrap_err();
     assert_eq!(refusal.exit, Exit::Impossible);
-    assert!(refusal.line.contains("1Mbit/s") && refusal.line.contains("800kbit/s"));
+    assert!(refusal.line.contains("1 Mbit/s") && refusal.line.contains("800 kbit/s"));
 }
 
 #[test]

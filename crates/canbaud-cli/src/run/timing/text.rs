@@ -7,7 +7,7 @@ use canbaud::timing::controllers::{Configuration, Controller, Phase, Register};
 use canbaud::timing::physics::{classic_tolerance, fd_tolerance};
 use canbaud::timing::physics_bus::longest_bus_m;
 use canbaud::timing::tdc::Tdc;
-use canbaud::timing::{Ratio, Solution};
+use canbaud::timing::{Rate, Ratio, Solution};
 
 use super::picture::picture;
 use super::plan::{Answer, PhaseAnswer};
@@ -61,12 +61,14 @@ fn heading(text: &mut String, answer: &Answer) {
 fn settings(text: &mut String, answer: &Answer, phase: &PhaseAnswer) {
     let _ = writeln!(
         text,
-        "\n{} phase, {}bit/s at {}",
-        phase.phase, phase.request.bitrate, phase.request.sample_point
+        "\n{} phase, {} at {}",
+        phase.phase,
+        Rate::from(phase.request.bitrate).words(),
+        phase.request.sample_point
     );
     let _ = writeln!(
         text,
-        "  {:>9} {:>4} {:>5} {:>4} {:>4} {:>4}  {:>12}  {:>14}  {:>12}  {:>9}  {:>11}",
+        "  {:>9} {:>4} {:>5} {:>4} {:>4} {:>4}  {:>12}  {:>18}  {:>12}  {:>9}  {:>11}",
         "prescaler",
         "TQ",
         "PROP",
@@ -83,7 +85,7 @@ fn settings(text: &mut String, answer: &Answer, phase: &PhaseAnswer) {
         let timing = &solution.timing;
         let _ = writeln!(
             text,
-            "  {:>9} {:>4} {:>5} {:>4} {:>4} {:>4}  {:>12}  {:>14}  {:>12}  {:>9}  {:>11}",
+            "  {:>9} {:>4} {:>5} {:>4} {:>4} {:>4}  {:>12}  {:>18}  {:>12}  {:>9}  {:>11}",
             timing.prescaler,
             timing.quanta(),
             timing.prop_seg,
@@ -91,7 +93,7 @@ fn settings(text: &mut String, answer: &Answer, phase: &PhaseAnswer) {
             timing.phase_seg2,
             timing.sjw,
             timing.sample_point().to_string(),
-            solution.rate.to_string(),
+            solution.rate.words().to_string(),
             ppm(solution.bitrate_error_ppb()),
             tolerance(answer, phase, solution).to_string(),
             length(answer, phase, solution),

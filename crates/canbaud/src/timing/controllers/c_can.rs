@@ -2,6 +2,8 @@
 //!
 //! Offsets are those of the 16 bit C_CAN. D_CAN has BTR at 0x0C and the BRPE bits in 19:16 of the same word.
 //!
+//! Unconfirmed: the divider CANCLKDIV that the LPC11C has in front of the module.
+//!
 //! Source: Linux 6.12 drivers/net/can/c_can; can-utils; Intel Cyclone V CBT page; TI SPRUIN7.
 
 use super::register::{Encoding, Field, Part, Register};
@@ -43,5 +45,6 @@ pub const CONTROLLER: Controller = Controller {
     clock: "module clock",
     registers: &[BTR, BRPE],
     source: "Linux 6.12 drivers/net/can/c_can; can-utils; Intel Cyclone V CBT page; TI SPRUIN7",
+    unconfirmed: Some("the divider CANCLKDIV in front of the module in the LPC11C"),
     ..Controller::classic("c_can", NOMINAL)
 };

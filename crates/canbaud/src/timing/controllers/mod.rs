@@ -19,6 +19,19 @@
 //!     .collect();
 //! assert_eq!(words, [0x00, 0xA7, 0x01]); // CNF1, CNF2, CNF3: 8 + 5 + 2 TQ, SJW 1
 //! ```
+//!
+//! The same at compile time, for a firmware:
+//!
+//! ```
+//! use canbaud::{bit_timing, timing::controllers::{bxcan, Configuration}};
+//! const BTR: u32 = match bxcan::BTR
+//!     .pack(&Configuration::classic(bit_timing!(36_000_000, 500_000, bxcan::NOMINAL)))
+//! {
+//!     Ok(word) => word,
+//!     Err(_) => panic!("the bit timing does not fit BTR"),
+//! };
+//! assert_eq!(BTR, 0x0005_0008); // 9 x (1 + 6 + 1)
+//! ```
 
 mod configuration;
 mod controller;

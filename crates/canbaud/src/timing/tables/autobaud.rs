@@ -5,7 +5,7 @@
 
 use core::fmt;
 
-use crate::timing::{Limits, Ratio, Request, Solution, SolveError, solve};
+use crate::timing::{Limits, Rate, RateWords, Ratio, Request, Solution, SolveError, solve};
 use crate::units::{Bitrate, Hertz};
 
 /// How far a measured count may be from the exact one.
@@ -55,29 +55,33 @@ pub enum AutobaudError {
     Solve(Bitrate, SolveError),
 }
 
+fn words(bitrate: Bitrate) -> RateWords {
+    Rate::from(bitrate).words()
+}
+
 impl fmt::Display for AutobaudError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Indistinguishable { fast, slow } => write!(
                 f,
-                "this timer cannot tell {}bit/s ({} ticks, {} to {}) from {}bit/s ({} ticks, {} to \
+                "this timer cannot tell {} ({} ticks, {} to {}) from {} ({} ticks, {} to \
                  {}); use a faster timer, a shorter polling loop, or leave one of them out",
-                fast.bitrate,
+                words(fast.bitrate),
                 Count(fast.expected),
                 fast.low,
                 fast.high,
-                slow.bitrate,
+                words(slow.bitrate),
                 Count(slow.expected),
                 slow.low,
                 slow.high
             ),
             Self::TooShort(window) => write!(
                 f,
-                "a bit at {}bit/s lasts {} ticks, fewer than the deviation allows",
-                window.bitrate,
+                "a bit at {} lasts {} ticks, fewer than the deviation allows",
+                words(window.bitrate),
                 Count(window.expected)
             ),
-            Self::Solve(bitrate, error) => write!(f, "{bitrate}bit/s: {error}"),
+            Self::Solve(bitrate, error) => write!(f, "{}: {error}", words(*bitrate)),
         }
     }
 }
@@ -108,7 +112,7 @@ impl fmt::Display for Count {
 /// let windows = tick_windows(timer, rates, Deviation::Ticks(1)).unwrap();
 /// assert_eq!(windows.map(|w| (w.low, w.high)), [(9, 11), (12, 13)]);
 /// let error = tick_windows(timer, rates, Deviation::Ticks(2)).unwrap_err();
-/// assert!(error.to_string().contains("1Mbit/s (10 ticks") && error.to_string().contains("800k"));
+/// assert!(error.to_string().contains("1 Mbit/s (10 ticks, 8 to 12) from 800 kbit/s"));
 /// ```
 ///
 /// # Errors
