@@ -4,7 +4,7 @@
 mod timing_reference;
 
 use canbaud::timing::controllers::{ALL, Controller, Phase};
-use canbaud::timing::{Request, SamplePointPolicy, SolveError, solve};
+use canbaud::timing::{Limits, Prescalers, Request, SamplePointPolicy, SolveError, Span, solve};
 use canbaud::units::{Bitrate, Hertz, Permille};
 use timing_reference::{BITRATES, Best, CLOCKS, POINTS, Segments};
 
@@ -26,7 +26,7 @@ fn phases(controller: &Controller) -> impl Iterator<Item = Phase> {
 }
 
 /// What the solver says, or the divisor of the nearest rate where none is in reach.
-fn solved(request: &Request, limits: &canbaud::timing::Limits) -> Result<Best, Option<u64>> {
+fn solved(request: &Request, limits: &Limits) -> Result<Best, Option<u64>> {
     match solve(request, limits) {
         Ok(solution) => {
             let timing = solution.timing;
@@ -118,4 +118,75 @@ fn solve_equals_brute_force_under_every_sample_point_policy() {
             }
         }
     }
+}
+
+/// Limits that no chip has, but that one could have: narrow ranges, rules, and prescaler sets put
+/// together from two progressions.
+fn random_limits(random: &mut Seeded) -> Limits {
+    let mut span = |low: u64, width: u64| {
+        let min = 1 + random.below(low) as u16;
+        Span::new(min, min + random.below(width) as u16)
+    };
+    let (tseg1, tseg2) = (span(4, 20), span(3, 10));
+    let (prop_seg, phase_seg1) = (span(3, 12), span(3, 12));
+    let step = 1 + random.below(3) as u16;
+    let low = 1 + random.below(4) as u16;
+    let high = low + random.below(60) as u16;
+    let mut prescalers = Prescalers::multiples(low, high, step);
+    if random.below(2) == 0 {
+        // The second begins inside the first, so that no bit rate falls far between them.
+        let step = 1 + random.below(8) as u16;
+        prescalers = prescalers.and(step.max(low), high * step, step);
+    }
+    let mut limits =
+        Limits::new(tseg1, tseg2, 4, prescalers).with_clock_divider(1 + random.below(3) as u16);
+    if random.below(2) == 0 {
+        limits = limits.with_segments(prop_seg, phase_seg1);
+    }
+    if random.below(2) == 0 {
+        limits = limits.with_tseg1_excess(random.below(7) as i16 - 2);
+    }
+    if random.below(3) == 0 {
+        limits = limits.with_bit_quanta(Span::new(8, 25));
+    }
+    limits
+}
+
+#[test]
+fn solve_equals_brute_force_on_limits_that_no_chip_has() {
+    let seed = 0x5EED_0003;
+    let mut random = Seeded(seed);
+    let mut compared = 0;
+    for round in 0..3_000 {
+        let limits = random_limits(&mut random);
+        let segments = Segments::new(&limits);
+        let clock = 1_000_000 + random.below(120_000_000);
+        let bitrate = [10_000, 83_333, 125_000, 500_000, 1_000_000][random.below(5) as usize];
+        let point = 500 + random.below(480) as u32;
+        let (earliest, latest) = (point as u16 - random.below(60) as u16, point as u16);
+        let [earliest, latest] = [earliest, latest].map(|p| Permille::new(p).unwrap());
+        let policy = [
+            SamplePointPolicy::Nearest,
+            SamplePointPolicy::NotLater,
+            SamplePointPolicy::NotEarlier,
+            SamplePointPolicy::Within { earliest, latest },
+        ][random.below(4) as usize];
+        let request = request(clock, bitrate, point, policy);
+        let best = match solve(&request, &limits) {
+            Err(SolveError::Limits) => continue,
+            _ => segments.best_in_policy(clock, bitrate, point, policy),
+        };
+        match (solved(&request, &limits), best) {
+            (Ok(found), Some(best)) => {
+                assert_eq!(found, best, "seed {seed:#x} round {round} {limits:?} {request:?}");
+                compared += 1;
+            }
+            (Err(None), None) => {}
+            (Err(Some(divisor)), Some(best)) => {
+                assert_eq!(divisor, segments.divisor(best), "round {round} {limits:?} {request:?}");
+            }
+            (found, best) => panic!("round {round} {limits:?} {request:?}: {found:?} {best:?}"),
+        }
+    }
+    assert!(compared > 1_000, "only {compared} requests were reachable");
 }

@@ -13,6 +13,17 @@ pub struct PrescalerSpan {
     pub step: u16,
 }
 
+impl PrescalerSpan {
+    /// The lowest and the highest multiple of the step; `None` if there is none.
+    pub(crate) const fn multiples(self) -> Option<(u16, u16)> {
+        if self.step == 0 || self.min == 0 {
+            return None;
+        }
+        let (low, high) = (self.min.div_ceil(self.step), self.max / self.step);
+        if low > high { None } else { Some((low, high)) }
+    }
+}
+
 /// The prescalers that a controller offers: a union of up to four arithmetic progressions.
 ///
 /// ```
@@ -86,9 +97,10 @@ impl Prescalers {
         let mut ends = Span::new(u16::MAX, 0);
         let mut rest: &[PrescalerSpan] = &self.spans;
         while let Some((span, others)) = rest.split_first() {
-            if span.min <= span.max {
-                ends.min = if span.min < ends.min { span.min } else { ends.min };
-                ends.max = if span.max > ends.max { span.max } else { ends.max };
+            if let Some((low, high)) = span.multiples() {
+                let (min, max) = (low * span.step, high * span.step);
+                ends.min = if min < ends.min { min } else { ends.min };
+                ends.max = if max > ends.max { max } else { ends.max };
             }
             rest = others;
         }

@@ -139,12 +139,8 @@ impl Search {
 
     /// The progression, unless it is empty or off by more than a factor of two.
     const fn progression(&self, span: PrescalerSpan) -> Option<Progression> {
-        if span.step == 0 || span.min == 0 {
-            return None;
-        }
-        let low = span.min.div_ceil(span.step);
-        let high = span.max / span.step;
-        if low > high || self.quanta.min > self.quanta.max {
+        let Some((low, high)) = span.multiples() else { return None };
+        if self.quanta.min > self.quanta.max {
             return None;
         }
         let unit = self.unit * span.step as u64;

@@ -107,12 +107,10 @@ fn for_each(request: &Request, limits: &Limits, mut visit: impl FnMut(Candidate)
         u64::from(request.bitrate.bits_per_second()) * u64::from(limits.clock_divider.max(1));
     for n in u32::from(quanta.min)..=u32::from(quanta.max) {
         for span in limits.prescalers.spans() {
-            if span.step == 0 || span.min == 0 {
-                continue;
-            }
+            let Some((lowest, highest)) = span.multiples() else { continue };
             let (low, high) = prescalers_within(u64::from(clock), unit * u64::from(n), request);
-            let low = low.max(u64::from(span.min)).div_ceil(u64::from(span.step));
-            let high = high.min(u64::from(span.max)) / u64::from(span.step);
+            let low = low.div_ceil(u64::from(span.step)).max(lowest.into());
+            let high = (high / u64::from(span.step)).min(highest.into());
             for multiple in low..=high {
                 let prescaler = multiple as u32 * u32::from(span.step);
                 let clocks = unit * u64::from(n) * u64::from(prescaler);
