@@ -114,6 +114,23 @@ struct Progression {
     unit: u32,
 }
 
+/// The two factors of a division of the clock.
+#[derive(Clone, Copy)]
+enum Factor {
+    Prescaler,
+    Quanta,
+}
+
+impl Factor {
+    /// Prescaler and quanta from the value of this factor and of the other.
+    const fn setting(self, step: u32, value: u32, other: u32) -> (u32, u32) {
+        match self {
+            Self::Prescaler => (value * step, other),
+            Self::Quanta => (other * step, value),
+        }
+    }
+}
+
 impl Search {
     pub(super) const fn new(clock: u32, request: &Request, limits: &Limits) -> Self {
         let points = Points::new(request, limits);
@@ -161,83 +178,73 @@ impl Search {
         let (n_min, n_max) = (self.quanta.min as u32, self.quanta.max as u32);
         if self.points.is_patchy() {
             let useful = quotient(2 * self.clock, progression.unit * progression.low);
-            return self.by_quanta(progression, n_min, clamp(useful, n_min, n_max));
+            self.scan(progression, Factor::Quanta, n_min, clamp(useful, n_min, n_max));
+            return;
         }
         let k_low = clamp(quotient(ratio, n_max), progression.low, progression.high);
         let k_high = clamp(quotient(ratio, n_min) + 1, progression.low, progression.high);
         let n_low = clamp(quotient(ratio, progression.high), n_min, n_max);
         let n_high = clamp(quotient(ratio, progression.low) + 1, n_min, n_max);
         let root = 1_u32 << ((32 - ratio.leading_zeros()) / 2);
-        if root >= k_high {
-            self.by_prescaler(progression, k_low, k_high);
+        // Whatever has a larger prescaler than `root` has at most this many quanta.
+        let n_split = quotient(ratio, root) + 1;
+        let (k_split, n_split) = if root >= k_high {
+            (k_high, 0)
         } else if root < k_low {
-            self.by_quanta(progression, n_low, n_high);
+            (0, n_high)
         } else {
-            // Whatever has a larger prescaler than `root` has at most this many quanta.
-            let n_split = quotient(ratio, root) + 1;
-            let n_split = if n_split < n_high { n_split } else { n_high };
-            if self.by_prescaler(progression, k_low, root) {
-                return;
-            }
-            self.by_quanta(progression, n_low, n_split);
+            (root, if n_split < n_high { n_split } else { n_high })
+        };
+        if !self.scan(progression, Factor::Prescaler, k_low, k_split) {
+            self.scan(progression, Factor::Quanta, n_low, n_split);
         }
     }
 
-    /// Tries prescalers upwards, for each the quanta around the right one. True if a setting
-    /// was found that nothing else can beat.
-    const fn by_prescaler(&mut self, progression: &Progression, low: u32, high: u32) -> bool {
-        let (n_min, n_max) = (self.quanta.min as u32, self.quanta.max as u32);
-        let mut k = low;
-        let mut divisor = progression.unit * low;
-        while k <= high {
-            let quanta = quotient(self.clock, divisor);
-            let exact = quanta * divisor == self.clock;
+    /// Tries the values of one factor from the finest time quantum on, for each the two values of
+    /// the other around the right one. True if a setting was found that nothing else can beat.
+    const fn scan(
+        &mut self,
+        progression: &Progression,
+        outer: Factor,
+        low: u32,
+        high: u32,
+    ) -> bool {
+        let (inner_min, inner_max) = match outer {
+            Factor::Prescaler => (self.quanta.min as u32, self.quanta.max as u32),
+            Factor::Quanta => (progression.low, progression.high),
+        };
+        let mut tried = 0;
+        while low + tried <= high {
+            let value = match outer {
+                Factor::Prescaler => low + tried,
+                Factor::Quanta => high - tried,
+            };
+            let divisor = progression.unit * value;
+            let inner = quotient(self.clock, divisor);
+            let exact = inner * divisor == self.clock;
             if exact || !self.has_exact() {
-                let prescaler = k * progression.step;
-                if quanta >= n_min {
-                    let quanta = if quanta < n_max { quanta } else { n_max };
-                    if self.consider(prescaler, quanta, quanta as u64 * divisor as u64) {
+                if inner >= inner_min {
+                    let inner = if inner < inner_max { inner } else { inner_max };
+                    let clocks = inner as u64 * divisor as u64;
+                    if self.consider(outer.setting(progression.step, value, inner), clocks) {
                         return true;
                     }
                 }
-                if quanta < n_max && !exact {
-                    let quanta = if quanta + 1 > n_min { quanta + 1 } else { n_min };
-                    self.consider(prescaler, quanta, quanta as u64 * divisor as u64);
+                if inner < inner_max && !exact {
+                    let inner = if inner + 1 > inner_min { inner + 1 } else { inner_min };
+                    let clocks = inner as u64 * divisor as u64;
+                    self.consider(outer.setting(progression.step, value, inner), clocks);
                 }
             }
-            k += 1;
-            divisor += progression.unit;
+            tried += 1;
         }
         false
-    }
-
-    /// Tries quanta downwards, for each the prescalers around the right one.
-    const fn by_quanta(&mut self, progression: &Progression, low: u32, high: u32) {
-        let mut quanta = high;
-        while quanta >= low {
-            let divisor = progression.unit * quanta;
-            let k = quotient(self.clock, divisor);
-            let exact = k * divisor == self.clock;
-            if exact || !self.has_exact() {
-                if k >= progression.low {
-                    let k = if k < progression.high { k } else { progression.high };
-                    if self.consider(k * progression.step, quanta, k as u64 * divisor as u64) {
-                        return;
-                    }
-                }
-                if k < progression.high && !exact {
-                    let k = if k + 1 > progression.low { k + 1 } else { progression.low };
-                    self.consider(k * progression.step, quanta, k as u64 * divisor as u64);
-                }
-            }
-            quanta -= 1;
-        }
     }
 
     /// Takes the setting if it is better; `clocks` is the clock that would make its rate exact.
     /// True if rate and sample point are exact: what follows in this progression is coarser.
     #[inline]
-    const fn consider(&mut self, prescaler: u32, quanta: u32, clocks: u64) -> bool {
+    const fn consider(&mut self, (prescaler, quanta): (u32, u32), clocks: u64) -> bool {
         if clocks > 2 * self.clock as u64 {
             return false;
         }
