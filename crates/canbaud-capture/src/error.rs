@@ -4,6 +4,7 @@ use core::fmt;
 use std::io;
 
 use crate::Format;
+use crate::capture::Channel;
 
 /// Where in a file something is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -82,6 +83,14 @@ pub enum CaptureError {
         /// What is wrong there.
         reason: String,
     },
+    /// A channel was asked for that the file does not have.
+    #[error("no channel {name:?}; there are {channels}")]
+    NoSuchChannel {
+        /// The name asked for.
+        name: String,
+        /// The names that there are, separated by commas.
+        channels: String,
+    },
     /// A bound against hostile files is passed.
     #[error("{what} is {value}, more than the limit of {max}")]
     Limit {
@@ -95,6 +104,13 @@ pub enum CaptureError {
 }
 
 impl CaptureError {
+    /// That `name` is none of `channels`.
+    #[must_use]
+    pub fn no_such_channel(name: &str, channels: &[Channel]) -> Self {
+        let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
+        Self::NoSuchChannel { name: name.to_owned(), channels: names.join(", ") }
+    }
+
     pub(crate) fn damaged(place: Place, reason: impl Into<String>) -> Self {
         Self::Damaged { place, reason: reason.into() }
     }

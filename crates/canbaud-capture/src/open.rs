@@ -1,14 +1,14 @@
 //! Opening: what is this file, and who reads it.
 
 use std::fs::File;
-use std::io::{Read, Seek};
+use std::io::{self, Read, Seek};
 use std::path::Path;
 
 use crate::Format;
 use crate::capture::{Capture, OpenOptions};
 use crate::error::CaptureError;
 use crate::input::Input;
-use crate::{csv, dsview, saleae, sniff, sr, vcd};
+use crate::{csv, dsview, isf, logicdata, saleae, sniff, sr, vcd};
 
 /// Opens a capture file; the format is found from the content, never from the name.
 ///
@@ -22,8 +22,13 @@ use crate::{csv, dsview, saleae, sniff, sr, vcd};
 /// # Ok::<(), canbaud_capture::CaptureError>(())
 /// ```
 pub fn open(path: &Path, options: &OpenOptions) -> Result<Capture, CaptureError> {
-    if path.is_dir() {
+    let metadata = path.metadata().map_err(CaptureError::Open)?;
+    if metadata.is_dir() {
         return Err(CaptureError::Directory);
+    }
+    if !metadata.is_file() {
+        // Opening a pipe would wait for its writer, and nothing but a file can be read twice.
+        return Err(CaptureError::Open(io::Error::other("not a regular file")));
     }
     let file = File::open(path).map_err(CaptureError::Open)?;
     from_reader(file, options)
@@ -53,6 +58,7 @@ pub fn from_reader<R: Read + Seek + Send + 'static>(
             saleae::logic1::open(&input, format, options)
         }
         Format::DsView => dsview::open(&input, options),
-        _ => Err(CaptureError::unsupported(format, "not read")),
+        Format::LogicData => logicdata::open(&input, options),
+        Format::TekIsf => isf::open(&input, options),
     }
 }

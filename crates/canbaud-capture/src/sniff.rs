@@ -4,7 +4,7 @@ use crate::Format;
 use crate::error::CaptureError;
 use crate::input::Input;
 use crate::zip::{self, Archive};
-use crate::{csv, dsview, saleae, sr};
+use crate::{csv, dsview, isf, logicdata, saleae, sr};
 
 /// Bytes of the head that are looked at.
 const HEAD: usize = 64 * 1024;
@@ -16,6 +16,14 @@ pub(crate) fn sniff(input: &Input) -> Result<Format, CaptureError> {
     }
     if head.starts_with(&saleae::binary::MAGIC) {
         return Ok(Format::SaleaeBinary);
+    }
+    if head.first() == Some(&logicdata::MAGIC)
+        && memchr::memmem::find(head.get(..32).unwrap_or(&head), b"Data save").is_some()
+    {
+        return Ok(Format::LogicData);
+    }
+    if isf::sniff(&head) {
+        return Ok(Format::TekIsf);
     }
     if let Some(word) = saleae::logic1::sniff_changes(&head, input.len()) {
         return Ok(Format::Logic1Changes(word));
@@ -49,5 +57,7 @@ fn describe(head: &[u8]) -> String {
         .flat_map(|&b| core::ascii::escape_default(b))
         .map(char::from)
         .collect();
-    format!("it starts with \"{start}\"")
+    format!(
+        "it starts with \"{start}\"; Logic 1 exports without a header need their format, such as logic1-8"
+    )
 }

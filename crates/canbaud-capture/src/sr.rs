@@ -246,6 +246,9 @@ pub(crate) fn inflated(archive: &Archive, options: &OpenOptions) -> Result<u64, 
 impl Reader for Sr {
     fn stream(&mut self, out: &mut Output<'_>, report: &mut Report) -> Result<(), Halt> {
         self.stream_logic(out, report)?;
+        let size =
+            |members: &[Entry]| members.iter().fold(0_u64, |sum, m| sum.saturating_add(m.size));
+        let mut done = size(&self.logic);
         for wave in &mut self.analogue {
             if !out.wants(wave.channel) {
                 continue;
@@ -269,9 +272,13 @@ impl Reader for Sr {
                 channel: wave.channel,
                 step: self.ticks_per_sample,
                 threshold: self.options.threshold,
+                progress: (done, self.total),
                 open: &open,
             };
             job.stream(&mut wave.signal, out, report)?;
+            if let WaveSource::Members(members) = &wave.source {
+                done = done.saturating_add(size(members));
+            }
         }
         out.progress(self.total, self.total);
         Ok(())

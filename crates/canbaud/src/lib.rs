@@ -9,6 +9,12 @@
 extern crate std;
 
 pub mod detect;
+pub mod rates;
 pub mod timing;
 pub mod units;
 pub mod wire;
+
+/// The examples of the README compile.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

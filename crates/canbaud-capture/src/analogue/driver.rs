@@ -87,6 +87,8 @@ pub(crate) struct Job<'a> {
     /// Ticks per sample.
     pub(crate) step: u64,
     pub(crate) threshold: Option<Threshold>,
+    /// Bytes read before this channel, and bytes of everything.
+    pub(crate) progress: (u64, u64),
     /// Opens the segment of this number, if there is one.
     pub(crate) open: &'a dyn Fn(usize) -> Result<Option<Segment<'a>>, CaptureError>,
 }
@@ -112,6 +114,7 @@ impl Job<'_> {
             _ => None,
         };
         let mut samples = Vec::new();
+        let (mut done, total) = self.progress;
         for number in 0.. {
             let Some((mut at, mut blocks)) = (self.open)(number)? else { break };
             loop {
@@ -124,6 +127,8 @@ impl Job<'_> {
                 }
                 at = at.saturating_add(self.step.saturating_mul(samples.len() as u64));
                 out.note_time(self.channel, at);
+                done = done.saturating_add(4 * samples.len() as u64);
+                out.progress(done, total);
             }
             if let Some(crossing) = &mut crossing {
                 crossing.end(at, out)?;

@@ -26,11 +26,15 @@ pub struct Levels {
 /// The levels must be this many standard deviations of the wider one apart: pure noise gives 2.7,
 /// a triangle 3.5, a sine 4.1.
 const MIN_SEPARATION: f64 = 4.5;
+/// A group smaller than this share that is no level is spikes, and what remains is searched again.
+const OUTLIERS: f64 = 0.02;
 /// The hysteresis as a share of the distance between the levels.
 const HYSTERESIS: f64 = 0.15;
 /// A level that a spike makes can hide the one below it; so many are looked at.
 const MAX_CANDIDATES: usize = 4;
 
+/// Splits that are tried; each that is no candidate takes spikes away.
+const MAX_SPLITS: usize = 16;
 /// The shortest frame has about as many edges.
 const MIN_CROSSINGS: u64 = 12;
 
@@ -49,7 +53,9 @@ impl Class {
         let mean = bins.iter().map(|&(v, n)| v * (n as f64)).sum::<f64>() / count;
         let variance =
             bins.iter().map(|&(v, n)| (v - mean).powi(2) * (n as f64)).sum::<f64>() / count;
-        Some(Self { count, mean, deviation: variance.sqrt() })
+        // Within a bin the values are spread evenly; without this, two bins were two levels.
+        let bin = mean.abs() / 256.0;
+        Some(Self { count, mean, deviation: (variance + bin * bin / 12.0).sqrt() })
     }
 }
 
@@ -62,12 +68,19 @@ pub(crate) fn candidates(histogram: &Histogram) -> Vec<Levels> {
     let all = histogram.bins();
     let mut bins = all.as_slice();
     let mut found: Vec<Levels> = Vec::new();
-    while found.len() < MAX_CANDIDATES {
+    for _ in 0..MAX_SPLITS {
+        if found.len() >= MAX_CANDIDATES {
+            break;
+        }
         let Some(at) = split(bins) else { break };
         let (below, above) = bins.split_at(at);
         let (Some(low), Some(high)) = (Class::of(below), Class::of(above)) else { break };
         let swing = high.mean - low.mean;
-        if swing >= MIN_SEPARATION * low.deviation.max(high.deviation) && swing.is_finite() {
+        let two = swing >= MIN_SEPARATION * low.deviation.max(high.deviation) && swing.is_finite();
+        if !two && low.count.min(high.count) > OUTLIERS * (low.count + high.count) {
+            break;
+        }
+        if two {
             found.push(Levels {
                 low: low.mean,
                 high: high.mean,
@@ -91,7 +104,7 @@ fn split(bins: &[(f64, u64)]) -> Option<usize> {
     let mut threshold = first.midpoint(last);
     let mut at = 0;
     // Converges within a few rounds; the bound is for voltages that oscillate between two splits.
-    for _ in 0..64 {
+    for _ in 0..32 {
         at = bins.partition_point(|&(v, _)| v <= threshold).clamp(1, bins.len() - 1);
         let (below, above) = bins.split_at(at);
         let next = Class::of(below)?.mean.midpoint(Class::of(above)?.mean);

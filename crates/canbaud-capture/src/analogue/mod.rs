@@ -7,7 +7,7 @@ mod levels;
 mod pair;
 
 pub(crate) use crossing::Crossing;
-pub(crate) use driver::{Difference, Floats, Job, Segment};
+pub(crate) use driver::{Blocks, Difference, Floats, Job, Segment};
 pub(crate) use histogram::Histogram;
 pub(crate) use levels::{Chooser, candidates};
 pub use levels::{Levels, Threshold};

@@ -3,7 +3,7 @@
 use canbaud::units::{Hertz, Timebase};
 
 use super::cells::{Dialect, iso_8601};
-use super::header::{Header, Timing};
+use super::header::{Content, Header, Timing};
 use crate::analogue::TICKS_PER_SAMPLE;
 use crate::capture::OpenOptions;
 use crate::error::{CaptureError, Place};
@@ -75,7 +75,8 @@ pub(super) fn find(
             None => Err(CaptureError::NoSamplerate(header.format)),
         },
         Timing::Column { column, exponent } => {
-            let Some(head) = Regular::of_head(header, column, exponent) else {
+            let regular = Regular::of_head(header, column, exponent);
+            let Some(head) = regular.filter(|_| !is_change_list(header)) else {
                 return stamps(header, column, exponent, options);
             };
             if let Some(rate) = options.samplerate {
@@ -93,6 +94,20 @@ pub(super) fn find(
             }
         }
     }
+}
+
+/// Whether every row is a change: levels only, and no row repeats the one above. That such rows
+/// come at regular times at first does not mean that they go on so.
+fn is_change_list(header: &Header) -> bool {
+    let data: Vec<usize> = (0..header.columns.len())
+        .filter(|&n| header.columns.get(n).is_some_and(|(_, c)| *c != Content::Ignored))
+        .collect();
+    let volts = |&n: &usize| matches!(header.columns.get(n), Some((_, Content::Volts(_))));
+    // The last row may be the end of the recording.
+    let mut pairs = header.head.iter().zip(header.head.iter().skip(1)).rev().skip(1);
+    let differs =
+        |(a, b): (&Vec<Vec<u8>>, &Vec<Vec<u8>>)| data.iter().any(|&n| a.get(n) != b.get(n));
+    !data.iter().any(volts) && pairs.all(differs)
 }
 
 /// The unit of sigrok's time column: the first row is one sample period.

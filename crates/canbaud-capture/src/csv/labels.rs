@@ -62,7 +62,12 @@ impl Head<'_> {
     /// The words above a column, the nearest first.
     fn above(&self, column: usize) -> impl Iterator<Item = &str> {
         // Rows that are shorter than the numbers tell about the file, not about a column.
-        let label_rows = self.above.iter().rev().take(4).filter(|row| row.len() + 1 >= self.width);
+        let is_label = |row: &&Vec<String>| {
+            let first = row.first().map_or("", String::as_str);
+            // `#1` and `Segment` head the list of segments of a LeCroy.
+            row.len() + 1 >= self.width && !first.starts_with('#') && !first.starts_with("Segment")
+        };
+        let label_rows = self.above.iter().rev().take(4).filter(is_label);
         label_rows.filter_map(move |row| row.get(column)).map(String::as_str)
     }
 
@@ -121,8 +126,12 @@ impl Head<'_> {
     }
 
     fn content(&self, column: usize) -> Content {
-        let cells =
-            || self.head.iter().filter_map(move |row| row.get(column)).filter(|c| !c.is_empty());
+        // What is neither is reported with its line when the rows are read.
+        let is_value = |cell: &&Vec<u8>| {
+            let known = level(cell).is_some() || hex(cell).is_some() || iso_8601(cell).is_some();
+            known || self.dialect.volts(cell).is_some()
+        };
+        let cells = || self.head.iter().filter_map(move |row| row.get(column)).filter(is_value);
         if cells().next().is_none() || self.time_unit(column).is_some() || self.is_counter(column) {
             return Content::Ignored;
         }

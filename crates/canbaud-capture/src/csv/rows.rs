@@ -3,7 +3,7 @@
 use super::cells::{Dialect, hex, level};
 use super::clock::{Clock, stamp};
 use super::header::Content;
-use crate::error::{CaptureError, Place};
+use crate::error::CaptureError;
 use crate::input::Input;
 use crate::lines::Lines;
 
@@ -62,10 +62,6 @@ impl<'a> Rows<'a> {
 
     pub(super) const fn count(&self) -> u64 {
         self.count
-    }
-
-    pub(super) const fn place(&self) -> Place {
-        self.lines.place()
     }
 
     /// Reads the next row into `row`; false at the end.

@@ -276,6 +276,7 @@ impl Reader for Analogue {
             channel: 0,
             step: TICKS_PER_SAMPLE,
             threshold: self.options.threshold,
+            progress: (0, self.input.len()),
             open: &open,
         };
         job.stream(&mut self.signal, out, report)?;

@@ -31,15 +31,14 @@ pub(crate) fn sniff_changes(head: &[u8], len: u64) -> Option<WordSize> {
             (number, word)
         });
         let Some(mut before) = rows.next() else { return false };
-        let fits = len.is_multiple_of(row as u64)
+        len.is_multiple_of(row as u64)
             && head.len() / row >= MIN_ROWS
             && before.0 >> 48 == 0
             && rows.all(|now| {
                 let rises = now.0 > before.0 && now.0 >> 48 == 0 && now.1 != before.1;
                 before = now;
                 rises
-            });
-        fits
+            })
     })
 }
 

@@ -61,11 +61,7 @@ impl Changes<'_> {
                     }
                     now = at;
                 }
-                [
-                    value @ (b'0' | b'1' | b'x' | b'X' | b'z' | b'Z' | b'u' | b'U' | b'-' | b'w'
-                    | b'W' | b'h' | b'H' | b'l' | b'L'),
-                    id @ ..,
-                ] if !id.is_empty() => {
+                [value @ (b'0' | b'1' | b'x' | b'X' | b'z' | b'Z'), id @ ..] if !id.is_empty() => {
                     let level = logic(*value);
                     for variable in self.variables.get(id).into_iter().flatten() {
                         if let Variable::Wires { first, width } = *variable {
@@ -147,8 +143,8 @@ pub(super) fn stamp(digits: &[u8]) -> Option<u64> {
 
 const fn logic(value: u8) -> Option<Logic> {
     match value {
-        b'0' | b'l' | b'L' => Some(Logic::Low),
-        b'1' | b'h' | b'H' => Some(Logic::High),
+        b'0' => Some(Logic::Low),
+        b'1' => Some(Logic::High),
         _ => None,
     }
 }

@@ -157,7 +157,8 @@ fn variable(tokens: &mut Tokens, header: &mut Header) -> Result<(), CaptureError
         Variable::Real { .. } => header.channels.push((name, true)),
         Variable::Wires { width: 1, .. } => header.channels.push((name, false)),
         Variable::Wires { width, .. } => {
-            header.channels.extend((0..width).rev().map(|bit| (format!("{name}[{bit}]"), false)))
+            let bits = (0..width).rev().map(|bit| (format!("{name}[{bit}]"), false));
+            header.channels.extend(bits);
         }
     }
     header.variables.entry(id.clone()).or_default().push(variable);

@@ -44,14 +44,15 @@ impl Tokens {
             self.start += gap;
             let rest = rest.get(gap..).unwrap_or_default();
             let after = rest.get(searched..).unwrap_or_default();
-            if let Some(len) = after.iter().position(u8::is_ascii_whitespace) {
-                return Ok(Some(self.take(searched + len)));
-            }
-            searched = rest.len();
+            let found = after.iter().position(u8::is_ascii_whitespace);
+            searched = found.map_or(rest.len(), |len| searched + len);
             if searched > MAX_WORD {
                 self.word = self.base + self.start as u64;
                 let reason = format!("a word longer than {MAX_WORD} bytes");
                 return Err(CaptureError::damaged(self.place(), reason));
+            }
+            if found.is_some() {
+                return Ok(Some(self.take(searched)));
             }
             if !self.refill()? {
                 return Ok((searched > 0).then(|| self.take(searched)));

@@ -103,11 +103,14 @@ impl Listener for Scan {
     fn progress(&mut self, _: u64) {}
 }
 
+/// A voltage on its way to edges: its crossings, and the value it has since when.
+type Held = (Crossing, Option<(u64, f64)>);
+
 /// Makes edges of levels and of voltages.
 pub(super) struct Emit<'a, 'b> {
     out: &'a mut Output<'b>,
     voltages: Voltages,
-    crossings: Vec<Option<(Crossing, Option<(u64, f64)>)>>,
+    crossings: Vec<Option<Held>>,
     /// A voltage rose within the sample period before its stamp.
     period: u64,
     total: u64,

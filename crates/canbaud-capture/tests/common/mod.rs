@@ -11,19 +11,19 @@ use canbaud_capture::{Capture, CaptureError, EdgeSink, OpenOptions, Summary, fro
 /// One unbroken recording of one channel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Stretch {
-    pub begin: u64,
-    pub level: Logic,
-    pub edges: Vec<u64>,
-    pub end: Option<u64>,
+    pub(crate) begin: u64,
+    pub(crate) level: Logic,
+    pub(crate) edges: Vec<u64>,
+    pub(crate) end: Option<u64>,
 }
 
 /// Everything that was streamed, by channel.
 #[derive(Debug, Default)]
 pub(crate) struct Kept {
-    pub channels: Vec<Vec<Stretch>>,
-    pub largest_block: usize,
-    pub stop_after: Option<usize>,
-    pub calls: usize,
+    pub(crate) channels: Vec<Vec<Stretch>>,
+    pub(crate) largest_block: usize,
+    pub(crate) stop_after: Option<usize>,
+    pub(crate) calls: usize,
 }
 
 impl Kept {
@@ -33,7 +33,7 @@ impl Kept {
     }
 
     /// All edges of a channel.
-    pub fn edges(&self, channel: usize) -> Vec<u64> {
+    pub(crate) fn edges(&self, channel: usize) -> Vec<u64> {
         self.channels.get(channel).into_iter().flatten().flat_map(|s| s.edges.clone()).collect()
     }
 }
@@ -111,4 +111,69 @@ pub(crate) fn shared(name: &str) -> Option<PathBuf> {
     }
     eprintln!("absent, not tested: ../shared/captures/{name}");
     None
+}
+
+/// xorshift64*: repeatable noise.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
+    }
+
+    pub(crate) fn below(&mut self, n: u64) -> u64 {
+        self.next() % n
+    }
+
+    /// Roughly normal: mean 0, standard deviation 1.
+    pub(crate) fn normal(&mut self) -> f64 {
+        let sum: f64 = (0..12).map(|_| self.next() as f64 / u64::MAX as f64).sum();
+        sum - 6.0
+    }
+}
+
+/// A zip archive of these members, deflated.
+pub(crate) fn archive(members: &[(&str, &[u8])]) -> Vec<u8> {
+    archive_with(members, zip::CompressionMethod::Deflated)
+}
+
+pub(crate) fn archive_with(members: &[(&str, &[u8])], method: zip::CompressionMethod) -> Vec<u8> {
+    use std::io::Write;
+    let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default().compression_method(method);
+    for (name, content) in members {
+        writer.start_file(*name, options).unwrap();
+        writer.write_all(content).unwrap();
+    }
+    writer.finish().unwrap().into_inner()
+}
+
+/// Edges of one line of packed samples, found one sample at a time.
+pub(crate) fn naive(samples: &[u64], bit: u32) -> Vec<u64> {
+    let line: Vec<u64> = samples.iter().map(|s| s >> bit & 1).collect();
+    (1..line.len()).filter(|&n| line[n] != line[n - 1]).map(|n| n as u64).collect()
+}
+
+/// Samples that change now and then on some of the lines.
+pub(crate) fn samples(random: &mut Random, count: usize, bits: u32) -> Vec<u64> {
+    let mut word = random.next();
+    let mut left = 0;
+    (0..count)
+        .map(|_| {
+            if left == 0 {
+                left = if random.below(4) == 0 { random.below(600) } else { random.below(12) };
+                word ^= random.next() & random.next() & random.next();
+            }
+            left = left.saturating_sub(1);
+            if bits == 64 { word } else { word & ((1 << bits) - 1) }
+        })
+        .collect()
+}
+
+/// Little-endian words of `bytes` bytes.
+pub(crate) fn pack(samples: &[u64], bytes: usize) -> Vec<u8> {
+    samples.iter().flat_map(|s| s.to_le_bytes()[..bytes].to_vec()).collect()
 }

@@ -1,4 +1,15 @@
-//! Temporary shim: the interface of the glue between captures and the detector, replaced by it.
+//! From a capture to reports: finds the channel and the rate, decodes, counts.
+//!
+//! `channel` follows one line: it feeds the edges to the detector until a rate is proven, then to
+//! the decoder, without losing those in between. `evidence` counts what the decoder finds.
+//! `conclude` turns both into a report, `caveats` adds what a person should know.
+
+mod caveats;
+mod channel;
+mod conclude;
+mod evidence;
+mod known;
+mod sink;
 
 use std::ops::ControlFlow;
 
@@ -6,10 +17,12 @@ use canbaud::units::Bitrate;
 use canbaud::wire::{Item, Polarity};
 use canbaud_capture::{Capture, CaptureError};
 
-use crate::report::{ChannelReport, FrameCounts, Outcome};
+use crate::report::ChannelReport;
+use channel::ChannelJudge;
+use sink::{AllChannels, OneChannel, Probe};
 
+/// What the user knows already.
 #[derive(Debug, Clone)]
-#[allow(dead_code)]
 pub(crate) struct JudgeOptions {
     pub(crate) channel: Option<String>,
     pub(crate) bitrate: Option<Bitrate>,
@@ -17,41 +30,115 @@ pub(crate) struct JudgeOptions {
     pub(crate) polarity: Option<Polarity>,
 }
 
+/// All channels, the one that carries the bus first.
 pub(crate) fn detect(
     capture: &mut Capture,
-    _options: &JudgeOptions,
+    options: &JudgeOptions,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<Vec<ChannelReport>, CaptureError> {
-    progress(1, 1);
-    Ok(capture.channels().iter().map(|channel| blank(&channel.name)).collect())
+    let wanted = select(capture, options)?;
+    let timebase = capture.timebase();
+    let resolutions: Vec<u64> = capture.channels().iter().map(|c| c.resolution_ticks).collect();
+    let mut judges: Vec<ChannelJudge> =
+        resolutions.iter().map(|_| ChannelJudge::new(timebase, options)).collect();
+    let summary = capture.stream(&mut AllChannels { judges: &mut judges, progress })?;
+    // A rate that was found only after the first edges were let go: those are read again.
+    let again: Vec<usize> = wanted
+        .iter()
+        .copied()
+        .filter(|&channel| judges.get(channel).is_some_and(ChannelJudge::missed_the_start))
+        .collect();
+    if !again.is_empty() {
+        capture.select(&again);
+        for &channel in &again {
+            if let Some(judge) = judges.get_mut(channel) {
+                judge.rewind();
+            }
+        }
+        capture.stream(&mut AllChannels { judges: &mut judges, progress })?;
+    }
+    let channels = capture.channels();
+    let mut reports: Vec<ChannelReport> = wanted
+        .iter()
+        .filter_map(|&index| {
+            let (channel, judge) = (channels.get(index)?, judges.get_mut(index)?);
+            Some(conclude::report(channel, judge, timebase, &summary.notes))
+        })
+        .collect();
+    reports.sort_by_key(|report| core::cmp::Reverse(conclude::rank(report)));
+    Ok(reports)
 }
 
+/// Decodes the channel that carries the bus (or `options.channel`); items go to `sink` in time
+/// order as they are decoded.
 pub(crate) fn decode(
     capture: &mut Capture,
-    _options: &JudgeOptions,
-    _sink: &mut dyn FnMut(&Item) -> ControlFlow<()>,
+    options: &JudgeOptions,
+    sink: &mut dyn FnMut(&Item) -> ControlFlow<()>,
 ) -> Result<ChannelReport, CaptureError> {
-    Ok(blank(capture.channels().first().map_or("", |channel| &channel.name)))
+    let wanted = select(capture, options)?;
+    let timebase = capture.timebase();
+    let index = match wanted[..] {
+        [only] => only,
+        _ => busiest(capture, options, &wanted)?,
+    };
+    capture.select(&[index]);
+    let mut judge = ChannelJudge::new(timebase, options);
+    // The rate is found first, so that decoding starts with the first edge.
+    {
+        let mut probe = Probe::new(index, &mut judge);
+        capture.stream(&mut probe)?;
+        judge.conclude(&mut |_| {});
+        judge.rewind();
+    }
+    let flow = ControlFlow::Continue(());
+    let mut one = OneChannel { index, judge: &mut judge, sink, flow };
+    let summary = capture.stream(&mut one)?;
+    one.conclude();
+    let Some(channel) = capture.channels().get(index) else {
+        unreachable!("the channel was selected from this list")
+    };
+    Ok(conclude::report(channel, &mut judge, timebase, &summary.notes))
 }
 
-fn blank(channel: &str) -> ChannelReport {
-    ChannelReport {
-        channel: channel.to_owned(),
-        inverted: false,
-        outcome: Outcome::NoTraffic,
-        need: None,
-        nominal: None,
-        data: None,
-        other: None,
-        proven_frames: 0,
-        frames: FrameCounts::default(),
-        error_probability: 1.0,
-        bus_load: 0.0,
-        asymmetry_ns: None,
-        clock_spread_ppm: None,
-        samples_per_bit: None,
-        duration_s: 0.0,
-        edges: 0,
-        caveats: Vec::new(),
+/// The channels that are judged.
+fn select(capture: &mut Capture, options: &JudgeOptions) -> Result<Vec<usize>, CaptureError> {
+    let names = capture.channels().iter().map(|channel| channel.name.as_str());
+    let wanted: Vec<usize> = match &options.channel {
+        None => (0..capture.channels().len()).collect(),
+        Some(name) => names
+            .enumerate()
+            .filter(|(_, other)| other.eq_ignore_ascii_case(name))
+            .map(|(index, _)| index)
+            .collect(),
+    };
+    if let (true, Some(name)) = (wanted.is_empty(), &options.channel) {
+        return Err(CaptureError::no_such_channel(name, capture.channels()));
     }
+    capture.select(&wanted);
+    Ok(wanted)
+}
+
+/// The channel whose first frames speak most clearly for it.
+fn busiest(
+    capture: &mut Capture,
+    options: &JudgeOptions,
+    wanted: &[usize],
+) -> Result<usize, CaptureError> {
+    let timebase = capture.timebase();
+    let mut judges: Vec<ChannelJudge> =
+        capture.channels().iter().map(|_| ChannelJudge::new(timebase, options)).collect();
+    capture.stream(&mut sink::FirstFrames { judges: &mut judges })?;
+    let channels = capture.channels();
+    Ok(wanted
+        .iter()
+        .copied()
+        .max_by_key(|&index| match (channels.get(index), judges.get_mut(index)) {
+            (Some(channel), Some(judge)) => {
+                let report = conclude::report(channel, judge, timebase, &[]);
+                (conclude::rank(&report), core::cmp::Reverse(index))
+            }
+            _ => unreachable!("indices come from the list of channels"),
+        })
+        .unwrap_or(0))
 }

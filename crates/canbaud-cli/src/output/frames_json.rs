@@ -118,6 +118,7 @@ const fn error_name(kind: ErrorKind) -> &'static str {
         ErrorKind::Crc => "crc",
         ErrorKind::Form => "form",
         ErrorKind::Acknowledge => "acknowledge",
+        ErrorKind::DataRateUnknown => "data_rate_unknown",
         ErrorKind::Truncated => "truncated",
         ErrorKind::Disturbance => "disturbance",
         _ => "other",

@@ -12,6 +12,7 @@ mod report_json;
 mod socketcan;
 mod stamp;
 mod text;
+mod words;
 
 #[cfg(test)]
 mod items;
@@ -26,7 +27,7 @@ pub(crate) use paint::Paint;
 pub(crate) use pcapng::Pcapng;
 pub(crate) use report_json::{push_report, push_unreadable};
 pub(crate) use stamp::Clock;
-pub(crate) use text::{Detail, headline, render};
+pub(crate) use text::{Detail, render, summary};
 
 /// Writes the items of a decoded bus, one after the other.
 pub(crate) trait ItemWriter {

@@ -32,7 +32,7 @@ pub(super) fn bitrate(bits_per_second: u32) -> String {
 pub(super) fn short(value: f64) -> String {
     match value.abs() {
         v if !v.is_finite() => "?".to_owned(),
-        v if v == 0.0 => "0".to_owned(),
+        0.0 => "0".to_owned(),
         v if v < 0.01 => "<0.01".to_owned(),
         v if v < 1.0 => format!("{v:.2}"),
         v if v < 9.95 => format!("{v:.1}"),

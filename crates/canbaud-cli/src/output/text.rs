@@ -10,6 +10,7 @@ use super::number::{
     bitrate, bound, count, deviation_ppm, duration, percent, short, thousands, with_uncertainty,
 };
 use super::paint::Paint;
+use super::words::{asymmetry, frames_by_kind, wrap};
 use crate::printable::printable;
 use crate::report::{ChannelReport, FrameCounts, Outcome, Rate};
 
@@ -28,7 +29,7 @@ const LABEL: usize = 13;
 const WIDTH: usize = 96;
 
 /// The verdict on one channel in one line of plain words.
-pub(crate) fn headline(report: &ChannelReport) -> String {
+fn headline(report: &ChannelReport) -> String {
     match report.outcome {
         Outcome::Found => {
             let proven = count(report.proven_frames, "frame", "frames");
@@ -53,6 +54,20 @@ pub(crate) fn headline(report: &ChannelReport) -> String {
                 .collect();
             format!("conflict — two rates on one line: {}", both.join(" and "))
         }
+    }
+}
+
+/// The verdict with what was decoded, in one line.
+pub(crate) fn summary(report: &ChannelReport) -> String {
+    let verdict = headline(report);
+    if report.outcome != Outcome::Found {
+        return verdict;
+    }
+    let good = report.frames.classic + report.frames.fd + report.frames.remote;
+    let frames = count(good, "good frame", "good frames");
+    match report.frames.error {
+        0 => format!("{verdict}; {frames}"),
+        errors => format!("{verdict}; {frames}, {}", count(errors, "error", "errors")),
     }
 }
 
@@ -135,8 +150,8 @@ impl Sheet {
             let edges = count(report.edges, "edge", "edges");
             self.line("bus load", &format!("{}   {edges} in {span}", percent(report.bus_load)));
         }
-        if let Some(asymmetry) = report.asymmetry_ns {
-            self.line("asymmetry", &asymmetry_words(asymmetry));
+        if let Some(nanoseconds) = report.asymmetry_ns {
+            self.line("asymmetry", &asymmetry(nanoseconds));
         }
         if let Some(spread) = report.clock_spread_ppm {
             self.line("clocks", &format!("the senders differ by {} ppm", short(spread)));
@@ -167,14 +182,16 @@ impl Sheet {
         };
         let (rate_width, offset_width) = (width(0), width(1));
         for (label, rate, [measured, offset]) in &rows {
-            let mut value = format!(
+            let value = format!(
                 "{measured:>rate_width$} bit/s   {offset:>offset_width$} ppm of {}",
                 bitrate(rate.bitrate)
             );
-            if let Some(user) = rate.known_as {
-                let _ = write!(value, "   {}", self.paint.dim(user));
-            }
             self.line(label, &value);
+            if let Some(users) = rate.known_as {
+                let lines = wrap(users, WIDTH - LABEL);
+                let users: Vec<String> = lines.iter().map(|line| self.paint.dim(line)).collect();
+                users.iter().for_each(|line| self.line("", line));
+            }
         }
         if let (Some(wanted), Some(rate)) = (expected, &report.nominal) {
             self.line("expected", &expected::words(wanted, rate));
@@ -182,7 +199,7 @@ impl Sheet {
     }
 
     fn frames(&mut self, frames: &FrameCounts) {
-        self.line("frames", &frames_words(frames));
+        self.line("frames", &frames_by_kind(frames));
         let good = frames.classic + frames.fd + frames.remote;
         let mut errors = Vec::new();
         if frames.error > 0 {
@@ -204,87 +221,41 @@ impl Sheet {
     }
 
     fn caveats(&mut self, report: &ChannelReport) {
-        for caveat in &report.caveats {
+        if !report.caveats.is_empty() {
             self.text.push('\n');
+        }
+        for caveat in &report.caveats {
             let mark = self.paint.warn("!");
             let lines = wrap(&caveat.text, WIDTH - 4);
             let _ = writeln!(self.text, "  {mark} {}", lines.join("\n    "));
         }
     }
 
-    /// The other channels: the silent ones in one line.
+    /// The other channels: those without a rate in one line per verdict.
     fn others(&mut self, others: &[ChannelReport]) {
         if others.is_empty() {
             return;
         }
         self.text.push('\n');
-        let (silent, busy): (Vec<&ChannelReport>, Vec<_>) =
-            others.iter().partition(|report| report.outcome == Outcome::NoTraffic);
-        for report in busy {
-            self.line("also", &format!("{}: {}", printable(&report.channel), headline(report)));
-        }
-        if !silent.is_empty() {
-            let names: Vec<String> =
-                silent.iter().map(|report| printable(&report.channel)).collect();
-            self.line("no traffic", &names.join(", "));
-        }
-    }
-}
-
-/// `612 classic, 376 CAN FD (370 with bit rate switch), 12 remote; 30 extended`.
-fn frames_words(frames: &FrameCounts) -> String {
-    let mut kinds = Vec::new();
-    if frames.classic > 0 {
-        kinds.push(format!("{} classic", thousands(frames.classic)));
-    }
-    if frames.fd > 0 {
-        let switched = match frames.fd_brs {
-            0 => "none switches the bit rate".to_owned(),
-            n if n == frames.fd => "all switch the bit rate".to_owned(),
-            n => format!("{} switch the bit rate", thousands(n)),
-        };
-        let non_iso = match frames.fd_non_iso {
-            0 => "",
-            n if n == frames.fd => ", non-ISO CRC",
-            _ => ", ISO and non-ISO CRC mixed",
-        };
-        kinds.push(format!("{} CAN FD ({switched}{non_iso})", thousands(frames.fd)));
-    }
-    if frames.remote > 0 {
-        kinds.push(format!("{} remote", thousands(frames.remote)));
-    }
-    let mut text = if kinds.is_empty() { "no good frame".to_owned() } else { kinds.join(", ") };
-    if frames.extended > 0 {
-        let _ = write!(text, "; {} extended", thousands(frames.extended));
-    }
-    text
-}
-
-fn asymmetry_words(nanoseconds: f64) -> String {
-    let size = short(nanoseconds.abs());
-    match nanoseconds {
-        ns if ns.abs() < 1.0 => "below 1 ns".to_owned(),
-        ns if ns > 0.0 => format!("dominant bits {size} ns longer, recessive bits shorter"),
-        _ => format!("dominant bits {size} ns shorter, recessive bits longer"),
-    }
-}
-
-/// Breaks text into lines of at most `width` characters, where there are blanks.
-fn wrap(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let room = lines.last().map_or(0, |line| line.chars().count());
-        if room > 0 && room + 1 + word.chars().count() > width {
-            lines.push(String::new());
-        }
-        if let Some(line) = lines.last_mut() {
-            if !line.is_empty() {
-                line.push(' ');
+        for report in others {
+            if matches!(report.outcome, Outcome::Found | Outcome::Conflict) {
+                self.line("also", &format!("{}: {}", printable(&report.channel), headline(report)));
             }
-            line.push_str(word);
+        }
+        for (label, outcome) in
+            [("undecided", Outcome::Undecided), ("no traffic", Outcome::NoTraffic)]
+        {
+            let names: Vec<String> = others
+                .iter()
+                .filter(|report| report.outcome == outcome)
+                .map(|report| printable(&report.channel))
+                .collect();
+            if !names.is_empty() {
+                let lines = wrap(&names.join(", "), WIDTH - LABEL);
+                self.line(label, &lines.join(&format!("\n{:1$}", "", LABEL + 2)));
+            }
         }
     }
-    lines
 }
 
 #[cfg(test)]

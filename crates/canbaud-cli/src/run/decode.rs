@@ -5,15 +5,15 @@ use std::io::{self, BufWriter, IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use canbaud_capture::{Capture, open};
+use canbaud_capture::{Capture, CaptureError, open};
 
 use super::failure::{source_name, unreadable, unwritable};
 use crate::args::{DecodeArgs, FrameFormat};
 use crate::exit::Exit;
 use crate::judge;
-use crate::output::{Candump, Clock, FramesJson, ItemWriter, Pcapng, RawDlc, headline};
+use crate::output::{Candump, Clock, FramesJson, ItemWriter, Pcapng, RawDlc, summary};
 use crate::printable::printable;
-use crate::report::{ChannelReport, Outcome};
+use crate::report::ChannelReport;
 
 /// Large enough that a system call costs nothing per frame.
 const BUFFER: usize = 64 * 1024;
@@ -39,23 +39,27 @@ pub(crate) fn decode(args: &DecodeArgs) -> Exit {
         Err(error) => return unwritable(&target, &error),
     };
     match copy(&mut capture, args, writer.as_mut()) {
-        Copied::Report(report) => conclude(args, &source, &report),
-        Copied::Unreadable(error) => {
+        Ok(report) => conclude(args, &source, &report),
+        Err(Stopped::Unreadable(error)) => {
             eprint!("{}", unreadable(&source, &error));
             Exit::Unreadable
         }
-        Copied::Unwritable(error) => unwritable(&target, &error),
+        Err(Stopped::Unwritable(error)) => unwritable(&target, &error),
     }
 }
 
-enum Copied {
-    Report(ChannelReport),
-    Unreadable(canbaud_capture::CaptureError),
+/// Why decoding ended before the end of the capture.
+enum Stopped {
+    Unreadable(CaptureError),
     Unwritable(io::Error),
 }
 
 /// Decodes into `writer`; what was decoded before a damage is kept.
-fn copy(capture: &mut Capture, args: &DecodeArgs, writer: &mut dyn ItemWriter) -> Copied {
+fn copy(
+    capture: &mut Capture,
+    args: &DecodeArgs,
+    writer: &mut dyn ItemWriter,
+) -> Result<ChannelReport, Stopped> {
     let mut failed = None;
     let judged = judge::decode(capture, &args.reading.judge_options(), &mut |item| match writer
         .write(item)
@@ -67,12 +71,9 @@ fn copy(capture: &mut Capture, args: &DecodeArgs, writer: &mut dyn ItemWriter) -
         }
     });
     if let Some(error) = failed.or_else(|| writer.finish().err()) {
-        return Copied::Unwritable(error);
+        return Err(Stopped::Unwritable(error));
     }
-    match judged {
-        Ok(report) => Copied::Report(report),
-        Err(error) => Copied::Unreadable(error),
-    }
+    judged.map_err(Stopped::Unreadable)
 }
 
 /// Why the output cannot go where it should: it would destroy the capture, or the terminal.
@@ -113,19 +114,8 @@ fn writer(args: &DecodeArgs, clock: Clock) -> io::Result<Box<dyn ItemWriter>> {
 /// Tells what the frames were decoded with, or why there are none.
 fn conclude(args: &DecodeArgs, source: &str, report: &ChannelReport) -> Exit {
     if !args.quiet {
-        let frames = &report.frames;
-        let good = frames.classic + frames.fd + frames.remote;
         let channel = printable(&report.channel);
-        let verdict = headline(report);
-        match report.outcome {
-            Outcome::Found => eprintln!(
-                "canbaud: {source}: channel {channel}: {verdict}; {good} frames decoded, {} errors",
-                frames.error
-            ),
-            Outcome::Undecided | Outcome::NoTraffic | Outcome::Conflict => {
-                eprintln!("canbaud: {source}: channel {channel}: {verdict}");
-            }
-        }
+        eprintln!("canbaud: {source}: channel {channel}: {}", summary(report));
     }
     report.outcome.into()
 }

@@ -39,9 +39,18 @@ fn is_settled(reading: &Reading) -> bool {
 }
 
 /// The ways to place the grid on `activity`, the cheapest first.
-pub(crate) fn placements(activity: Activity<'_>, rates: &Rates) -> [Placement; 6] {
+pub(crate) fn placements(
+    activity: Activity<'_>,
+    rates: &Rates,
+) -> impl Iterator<Item = Placement> + use<> {
     let (best, _) = first_edge_error(activity.runs, rates.nominal);
     let grid = |sof_error_q20| Placement { pace: Pace::Grid, sof_error_q20 };
+    // With many ticks a bit, rounding moves no edge far enough to need another grid.
+    let count = match rates.nominal.ticks_q20() >> 20 {
+        0..8 => 6,
+        8..32 => 4,
+        _ => 2,
+    };
     [
         Placement::ANCHORED,
         Placement { pace: Pace::Gentle, sof_error_q20: 0 },
@@ -50,6 +59,8 @@ pub(crate) fn placements(activity: Activity<'_>, rates: &Rates) -> [Placement; 6
         grid(BIT_Q20 / 4),
         grid(-BIT_Q20 / 4),
     ]
+    .into_iter()
+    .take(count)
 }
 
 const fn other_crc(fd_crc: FdCrc) -> FdCrc {

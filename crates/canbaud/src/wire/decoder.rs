@@ -201,11 +201,23 @@ impl<const N: usize> Decoder<N> {
         let error = BusError {
             kind: if cut { ErrorKind::Truncated } else { failure.kind },
             field: failure.field,
-            at: self.activity.run_start(failure.run),
+            at: self.error_time(&failure),
             id: reading.id,
         };
         let item = Item { start, end: self.activity.end(), kind: ItemKind::Error(error) };
         listener.item(&plain(item));
+    }
+
+    /// When a receiver notices: for a stuff error at the sixth equal bit, else with the run.
+    fn error_time(&self, failure: &Failure) -> u64 {
+        let start = self.activity.run_start(failure.run);
+        match failure.kind {
+            ErrorKind::Stuff => {
+                let end = self.activity.run_start(failure.run + 1).max(start);
+                end.min(start + self.rates.nominal.ticks(11) / 2)
+            }
+            _ => start,
+        }
     }
 
     /// From SOF to the end of the CRC sequence.

@@ -41,7 +41,7 @@ fn full_report_answers_the_next_questions() {
     let text = plain(&[fd()]);
     for wanted in [
         "channel      CAN_RX, inverted (high is dominant)",
-        "nominal        500,005 bit/s   +10.00 ± 0.50 ppm of 500 kbit/s   CiA 301",
+        "nominal        500,005 bit/s   +10.00 ± 0.50 ppm of 500 kbit/s\n               CiA 301\n",
         "data         2,000,020 bit/s   +10.00 ± 0.50 ppm of 2 Mbit/s",
         "CRC and form of 1,000 frames; wrong with probability < 1e-300",
         "612 classic, 376 CAN FD (370 switch the bit rate), 12 remote; 30 extended",
@@ -69,10 +69,16 @@ fn other_channels_come_last_and_short() {
     other.channel = "CAN_TX".to_owned();
     let mut idle = silent();
     idle.channel = "D7".to_owned();
-    let text = plain(&[fd(), silent(), other, idle]);
-    let tail: Vec<&str> = text.lines().rev().take(2).collect();
-    assert_eq!(tail[0].trim(), "no traffic   D2, D7");
-    assert_eq!(tail[1].trim(), "also         CAN_TX: 125 kbit/s — proven by 286 frames");
+    let text = plain(&[fd(), silent(), other, undecided(), idle]);
+    let tail: Vec<&str> = text.lines().rev().take(3).map(str::trim).collect();
+    assert_eq!(
+        tail,
+        [
+            "no traffic   D2, D7",
+            "undecided    D1",
+            "also         CAN_TX: 125 kbit/s — proven by 286 frames",
+        ]
+    );
 }
 
 #[test]
@@ -106,7 +112,8 @@ fn control_characters_of_a_channel_name_do_not_reach_the_terminal() {
 }
 
 #[test]
-fn long_caveats_are_wrapped_with_an_indent() {
-    let lines = wrap("one two three four", 9);
-    assert_eq!(lines, ["one two", "three", "four"]);
+fn summary_counts_good_frames_and_errors() {
+    assert_eq!(summary(&classic()), "125 kbit/s — proven by 286 frames; 286 good frames");
+    assert!(summary(&fd()).ends_with("; 1,000 good frames, 2 errors"));
+    assert_eq!(summary(&silent()), headline(&silent()));
 }

@@ -4,7 +4,7 @@ use super::glitch;
 use super::interval::interval;
 use super::measure::{Measurement, pool};
 use super::prove::{Proof, prove, prove_at};
-use super::segment::{Candidate, Segmenter};
+use super::segment::{Candidate, End, Segmenter};
 use crate::detect::{DataPhase, Found, Need, Verdict};
 use crate::wire::clock::{BIT_Q20, BitClock};
 use crate::wire::reader::{Activity, Rates, Reading};
@@ -76,7 +76,7 @@ impl<const N: usize> PulseDetector<N> {
         let run = u32::try_from(at.saturating_sub(self.last)).unwrap_or(u32::MAX);
         self.last = at;
         self.edges = self.edges.saturating_add(1);
-        if self.judge(run) {
+        if self.judge(run, End::Edge) {
             self.segmenter.restart(run);
         } else {
             self.segmenter.store(run);
@@ -86,7 +86,7 @@ impl<const N: usize> PulseDetector<N> {
     /// The line has not changed from the last edge to `at`, and the recording ends or pauses.
     pub fn finish(&mut self, at: u64) {
         let run = u32::try_from(at.saturating_sub(self.last)).unwrap_or(u32::MAX);
-        self.judge(run);
+        self.judge(run, End::OfRecording);
     }
 
     /// What is known so far.
@@ -118,9 +118,9 @@ impl<const N: usize> PulseDetector<N> {
     }
 
     /// Whether the run of `run` ticks, which just ended, is the gap behind a proven frame.
-    fn judge(&mut self, run: u32) -> bool {
+    fn judge(&mut self, run: u32, end: End) -> bool {
         let mut skip = 0;
-        while let Some(candidate) = self.segmenter.candidate(run, skip) {
+        while let Some(candidate) = self.segmenter.candidate(run, end, skip) {
             self.candidates = self.candidates.saturating_add(1);
             if self.judge_candidate(candidate) {
                 return true;
@@ -182,7 +182,8 @@ impl ProvenRates {
 
     /// Enters a proof with the rate that it is for.
     fn enter(&mut self, proof: &Proof, activity: Activity<'_>, polarity: Polarity) {
-        let bit_q20 = proof.rates.nominal.ticks_q20();
+        let fitted = proof.reading.nominal.fit().ticks_q20();
+        let bit_q20 = fitted.unwrap_or(proof.rates.nominal.ticks_q20());
         let same = self.iter_mut().find(|rate| {
             let known = rate.rates.nominal.ticks_q20();
             rate.polarity == polarity && known.abs_diff(bit_q20) <= known >> SAME_RATE_SHIFT

@@ -33,6 +33,14 @@ pub(super) struct Candidate {
     pub(super) gap: u32,
 }
 
+/// What ended a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    Edge,
+    /// The recording, perhaps before the line had been idle for long.
+    OfRecording,
+}
+
 /// The runs since the oldest possible beginning, at most `N`.
 #[derive(Debug, Clone)]
 pub(super) struct Segmenter<const N: usize> {
@@ -76,13 +84,14 @@ impl<const N: usize> Segmenter<N> {
 
     /// The next stretch that the run of `run` ticks, which just ended, may be the end of.
     /// Ask again with `skip` raised by one until there is none; then [`Segmenter::store`] the run.
-    pub(super) fn candidate(&self, run: u32, skip: usize) -> Option<Candidate> {
+    pub(super) fn candidate(&self, run: u32, end: End, skip: usize) -> Option<Candidate> {
         self.starts
             .iter()
             .flatten()
             .filter(|start| {
                 let count = self.len - start.at;
-                count >= RUNS_MIN && count % 2 == 1 && start.is_idle_beside(run)
+                let is_end = end == End::OfRecording || start.is_idle_beside(run);
+                count >= RUNS_MIN && count % 2 == 1 && is_end
             })
             .nth(skip)
             .map(|start| Candidate { at: start.at, idle: self.level, gap: run })

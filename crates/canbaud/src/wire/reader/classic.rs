@@ -1,9 +1,11 @@
 //! Data and CRC of a classic frame.
 
+use super::super::clock::BIT_Q20;
 use super::super::crc::{Crc, CrcKind};
 use super::super::frame::Frame;
 use super::super::item::{ErrorKind, Field};
 use super::header::Format;
+use super::tail::TailRule;
 use super::{Failure, Outcome, Reader, Stuffing};
 
 impl Reader<'_> {
@@ -16,25 +18,20 @@ impl Reader<'_> {
         let crc = self.plain.bits(crc_at, 15);
         self.crc_compared = true;
         self.crc_right = crc == self.classic_crc(crc_at);
+        let tick = self.rates.nominal.bits_q20(1);
         // Five equal bits at the end of the CRC sequence: a stuff bit comes before the delimiter.
-        let mut extra = end.extra;
-        let mut level = end.level;
-        if self.stuffing == Stuffing::Due {
-            if extra > 0 {
+        let (behind, level) = match self.stuffing {
+            Stuffing::Open => (end.behind_q20, end.level),
+            Stuffing::Due if end.extra > 0 => {
                 return Err(self.fail(ErrorKind::Stuff, Field::Crc));
             }
-            let Some((ticks, next)) = self.activity.run(self.next) else {
-                return Err(self.fail(ErrorKind::Truncated, Field::Crc));
-            };
-            let bits = self.sync.bits(ticks, next);
-            if bits == 0 {
-                return Err(self.fail(ErrorKind::Stuff, Field::Crc));
+            Stuffing::Due => {
+                self.nominal_bits += 1;
+                let level = end.level.toggled();
+                (self.tail_run_q20(level)? - BIT_Q20, level)
             }
-            self.next += 1;
-            self.nominal_bits += 1;
-            (extra, level) = (bits - 1, next);
-        }
-        let tail = self.tail(extra, level);
+        };
+        let tail = self.tail(behind, level, TailRule::classic(tick));
         self.conclude(format, crc, None, tail)
     }
 

@@ -1,7 +1,6 @@
 //! Data, stuff count and CRC of a CAN FD frame, and its tail.
 
 use super::super::bits::BitString;
-use super::super::clock::BIT_Q20;
 use super::super::crc::Crc;
 use super::super::encode::{fd_crc_kind, stuff_count};
 use super::super::frame::Frame;
@@ -9,7 +8,7 @@ use super::super::item::{ErrorKind, FdCrc, Field};
 use super::super::line::Level;
 use super::classic::push_bits;
 use super::header::Format;
-use super::tail::{Tail, position_field};
+use super::tail::TailRule;
 use super::{Failure, Outcome, Phase, Reader};
 
 /// Where the CRC field ended.
@@ -45,7 +44,7 @@ impl Reader<'_> {
         self.crc_compared = true;
         self.crc_right = crc == expected.value()
             && (count_bits == 0 || field.bits(0, 4) == stuff_count(self.stuff_bits));
-        let tail = self.fd_tail(end);
+        let tail = self.tail(end.behind_q20, end.level, TailRule::FD);
         self.conclude(format, crc, Some(self.rates.fd_crc), tail)
     }
 
@@ -107,53 +106,5 @@ impl Reader<'_> {
             left -= group;
         }
         Ok(field)
-    }
-
-    /// The tail: its delimiter is part data rate, part nominal, and the acknowledge comes from
-    /// nodes that are a propagation delay away, so edges are judged by time, not counted.
-    fn fd_tail(&mut self, end: FieldEnd) -> Result<Tail, Failure> {
-        let behind = match end.level {
-            Level::Recessive => end.behind_q20,
-            Level::Dominant => self.next_run_q20(Level::Recessive)?,
-        };
-        if self.next > self.activity.runs.len() {
-            return self.gap_tail(Level::Recessive, 2, behind - 2 * BIT_Q20);
-        }
-        let dominant = self.next_run_q20(Level::Dominant)?;
-        if dominant * 2 > 7 * BIT_Q20 {
-            // Not an acknowledge but an error flag; how late it starts tells what was missed.
-            let position = if behind * 4 > 5 * BIT_Q20 { 2 } else { 0 };
-            return Err(self.tail_failure(position, Level::Recessive));
-        }
-        if behind * 2 > 7 * BIT_Q20 {
-            let position = ((behind + BIT_Q20 / 2) >> 20).clamp(3, 8) as u32;
-            return Err(self.tail_failure(position, Level::Recessive));
-        }
-        let gap = self.next_run_q20(Level::Recessive)?;
-        self.gap_tail(Level::Dominant, 2, gap)
-    }
-
-    /// The recessive run from the ACK delimiter (`position` 2) on.
-    fn gap_tail(&self, ack: Level, position: u32, gap_q20: i32) -> Result<Tail, Failure> {
-        let ended_by_edge = self.next <= self.activity.runs.len();
-        let bits = ((gap_q20 + BIT_Q20 / 2) >> 20).max(0) as u32;
-        // ACK delimiter and seven bits of EOF; a receiver does not mind the last one.
-        match (bits, ended_by_edge) {
-            (8.., _) | (7, false) => Ok(Tail { ack, overload: false }),
-            (7, true) => Ok(Tail { ack, overload: true }),
-            (bits, true) => Err(self.tail_failure(position + bits, ack)),
-            (bits, false) => Err(self.fail(ErrorKind::Truncated, position_field(position + bits))),
-        }
-    }
-
-    /// The next run, which must be of `level`, in nominal bits times 2^20.
-    fn next_run_q20(&mut self, level: Level) -> Result<i32, Failure> {
-        match self.activity.run(self.next) {
-            Some((ticks, found)) if found == level => {
-                self.next += 1;
-                Ok(self.rates.nominal.bits_q20(ticks))
-            }
-            _ => Err(self.fail(ErrorKind::Truncated, Field::AckSlot)),
-        }
     }
 }

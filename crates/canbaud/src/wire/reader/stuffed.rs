@@ -12,6 +12,8 @@ const EQUAL_MAX: u32 = 5;
 pub(super) struct StuffedEnd {
     /// Bits of the last run that lie behind the end.
     pub(super) extra: u32,
+    /// The same as a time, in nominal bits times 2^20.
+    pub(super) behind_q20: i32,
     /// Level of that run.
     pub(super) level: Level,
 }
@@ -72,7 +74,8 @@ impl Reader<'_> {
                 self.bits += wanted;
             }
             self.next += 1;
-            return Ok(StuffedEnd { extra: bits - wanted, level });
+            let behind_q20 = self.rates.nominal.bits_q20(ticks) - ((wanted as i32) << 20);
+            return Ok(StuffedEnd { extra: bits - wanted, behind_q20, level });
         }
     }
 
