@@ -310,3 +310,23 @@ impl Member {
         Ok(n)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_values_that_do_not_fit_are_taken_from_the_zip64_field() {
+        // A foreign field, then the zip64 one with two values.
+        let mut extra = vec![9, 0, 2, 0, 0xaa, 0xbb, 1, 0, 16, 0];
+        extra.extend(5_000_000_000_u64.to_le_bytes());
+        extra.extend(7_000_000_000_u64.to_le_bytes());
+        let (mut size, mut compressed, mut offset) = (0xffff_ffff, 12, 0xffff_ffff);
+        widen(&extra, &mut [&mut size, &mut compressed, &mut offset]);
+        assert_eq!((size, compressed, offset), (5_000_000_000, 12, 7_000_000_000));
+        // Cut short: what is there counts.
+        let mut size = 0xffff_ffff;
+        widen(&[1, 0, 16, 0, 1, 2], &mut [&mut size]);
+        assert_eq!(size, 0xffff_ffff);
+    }
+}

@@ -35,6 +35,13 @@ fn every_failure_is_one_clear_line() {
 }
 
 #[test]
+fn captures_can_move_to_another_thread() {
+    fn is_send<T: Send>() {}
+    is_send::<canbaud_capture::Capture>();
+    is_send::<CaptureError>();
+}
+
+#[test]
 fn the_name_does_not_matter() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("capture.sr");

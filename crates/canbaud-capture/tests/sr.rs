@@ -200,6 +200,32 @@ fn a_cut_archive_says_so() {
 }
 
 #[test]
+fn a_zip64_directory_end_is_followed() {
+    let good = archive(&[("version", b"1"), ("metadata", V1.as_bytes()), ("logic-1", &[0, 4])]);
+    let (members, end) = good.split_at(good.len() - 22);
+    let field = |at: usize| u32::from_le_bytes([end[at], end[at + 1], end[at + 2], end[at + 3]]);
+    let mut file = members.to_vec();
+    let end64_at = file.len() as u64;
+    file.extend(b"PK\x06\x06");
+    file.extend(44_u64.to_le_bytes());
+    file.extend([45, 0, 45, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
+    for n in [3, 3, u64::from(field(12)), u64::from(field(16))] {
+        file.extend(n.to_le_bytes());
+    }
+    file.extend(b"PK\x06\x07\0\0\0\0");
+    file.extend(end64_at.to_le_bytes());
+    file.extend(1_u32.to_le_bytes());
+    file.extend(b"PK\x05\x06\0\0\0\0");
+    file.extend([0xff; 12]);
+    file.extend([0, 0]);
+    assert_eq!(read(&file).unwrap().1.edges(0), [1]);
+    let at = end64_at as usize;
+    file[at] = b'?';
+    let error = read(&file).unwrap_err();
+    assert_eq!(error.to_string(), format!("at byte {at}: no zip64 directory end here"));
+}
+
+#[test]
 fn a_zip_bomb_is_refused_unless_asked_for() {
     let zeros = vec![0; 20_000_000];
     let file = archive(&[("version", b"1"), ("metadata", V1.as_bytes()), ("logic-1", &zeros)]);

@@ -1,10 +1,8 @@
 //! The changes of a dump, one after the other.
 
-use std::collections::HashMap;
-
 use canbaud::wire::Logic;
 
-use super::header::{self, Variable};
+use super::header::{self, Variable, Variables};
 use super::tokens::Tokens;
 use crate::error::{CaptureError, Halt};
 use crate::input::Input;
@@ -27,7 +25,7 @@ pub(super) trait Listener {
 /// All changes of a file.
 pub(super) struct Changes<'a> {
     pub(super) input: &'a Input,
-    pub(super) variables: &'a HashMap<Box<[u8]>, Vec<Variable>>,
+    pub(super) variables: &'a Variables,
 }
 
 impl Changes<'_> {
@@ -62,17 +60,7 @@ impl Changes<'_> {
                     now = at;
                 }
                 [value @ (b'0' | b'1' | b'x' | b'X' | b'z' | b'Z'), id @ ..] if !id.is_empty() => {
-                    let level = logic(*value);
-                    for variable in self.variables.get(id).into_iter().flatten() {
-                        if let Variable::Wires { first, width } = *variable {
-                            // A scalar sets the last bit of a vector and clears the others.
-                            for n in 0..width {
-                                let last = n + 1 == width;
-                                let level = if last { level } else { Some(Logic::Low) };
-                                listener.level(first + n, now, level)?;
-                            }
-                        }
-                    }
+                    self.scalar(logic(*value), id, now, listener)?;
                 }
                 [b'b' | b'B', bits @ ..] => {
                     let bits: Vec<u8> = bits.iter().rev().take(64).copied().collect();
@@ -85,7 +73,7 @@ impl Changes<'_> {
                         return Err(CaptureError::damaged(tokens.place(), reason).into());
                     };
                     let id = tokens.next()?.unwrap_or_default();
-                    for variable in self.variables.get(id).into_iter().flatten() {
+                    for variable in self.variables.get(id) {
                         if let Variable::Real { channel } = *variable {
                             listener.volts(channel, now, volts)?;
                         }
@@ -106,6 +94,24 @@ impl Changes<'_> {
         }
     }
 
+    /// A scalar sets the last bit of a vector and clears the others.
+    fn scalar(
+        &self,
+        level: Option<Logic>,
+        id: &[u8],
+        now: u64,
+        listener: &mut impl Listener,
+    ) -> Result<(), Halt> {
+        for variable in self.variables.get(id) {
+            if let Variable::Wires { first, width } = *variable {
+                let last = first + width - 1;
+                (first..last).try_for_each(|n| listener.level(n, now, Some(Logic::Low)))?;
+                listener.level(last, now, level)?;
+            }
+        }
+        Ok(())
+    }
+
     /// `bits` start with the least significant one; missing ones repeat the last x or z, else 0.
     fn vector(
         &self,
@@ -118,7 +124,7 @@ impl Changes<'_> {
             Some(b'0' | b'1') | None => b'0',
             Some(other) => *other,
         };
-        for variable in self.variables.get(id.unwrap_or_default()).into_iter().flatten() {
+        for variable in self.variables.get(id.unwrap_or_default()) {
             if let Variable::Wires { first, width } = *variable {
                 for n in 0..width {
                     let bit = bits.get(width - 1 - n).copied().unwrap_or(fill);

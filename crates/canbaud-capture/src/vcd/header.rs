@@ -25,13 +25,40 @@ pub(super) enum Variable {
     Real { channel: usize },
 }
 
+/// What each identifier stands for.
+#[derive(Debug, Default)]
+pub(super) struct Variables {
+    /// By the only byte of the identifier: nearly every dump of a bus needs no more.
+    short: Vec<Vec<Variable>>,
+    long: HashMap<Box<[u8]>, Vec<Variable>>,
+}
+
+impl Variables {
+    fn add(&mut self, id: &[u8], variable: Variable) {
+        if let [byte] = *id {
+            self.short.resize(256, Vec::new());
+            self.short.get_mut(usize::from(byte)).into_iter().for_each(|v| v.push(variable));
+        } else {
+            self.long.entry(id.into()).or_default().push(variable);
+        }
+    }
+
+    pub(super) fn get(&self, id: &[u8]) -> &[Variable] {
+        match *id {
+            [byte] => self.short.get(usize::from(byte)),
+            _ => self.long.get(id),
+        }
+        .map_or(&[], Vec::as_slice)
+    }
+}
+
 /// The declarations of a file.
 pub(super) struct Header {
     pub(super) timebase: Timebase,
     pub(super) samplerate: Option<Hertz>,
     /// Name and whether it is a voltage.
     pub(super) channels: Vec<(String, bool)>,
-    pub(super) variables: HashMap<Box<[u8]>, Vec<Variable>>,
+    pub(super) variables: Variables,
     /// Wires that were left out because there are too many.
     pub(super) left_out: u64,
 }
@@ -43,7 +70,7 @@ pub(super) fn read(tokens: &mut Tokens) -> Result<Header, CaptureError> {
         timebase: Timebase::from_frequency(Hertz::MAX),
         samplerate: None,
         channels: Vec::new(),
-        variables: HashMap::new(),
+        variables: Variables::default(),
         left_out: 0,
     };
     loop {
@@ -161,6 +188,6 @@ fn variable(tokens: &mut Tokens, header: &mut Header) -> Result<(), CaptureError
             header.channels.extend(bits);
         }
     }
-    header.variables.entry(id.clone()).or_default().push(variable);
+    header.variables.add(id, variable);
     Ok(())
 }

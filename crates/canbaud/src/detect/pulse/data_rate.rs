@@ -6,9 +6,9 @@
 
 use super::coarse;
 use super::comb::{self, Slack};
-use super::prove::{Proof, Proposals};
+use super::prove::{Attempt, Proof, Proposals};
 use crate::wire::clock::BitClock;
-use crate::wire::reader::{Activity, DataRate, Placement, Rates, read};
+use crate::wire::reader::{Activity, DataRate, Placement, Rates};
 use crate::wire::{DataRateWanted, DataTiming, FdCrc};
 
 /// Runs at the end of a frame that are nominal again: CRC delimiter, acknowledge.
@@ -19,7 +19,7 @@ const TAIL_RUNS: usize = 2;
 pub fn find_data_rate(wanted: &DataRateWanted<'_>) -> Option<DataTiming> {
     let mut compared = 0;
     let proof = prove(wanted.activity, &wanted.rates, wanted.brs_run, &mut compared)?;
-    let data = proof.rates.data?;
+    let data = proof.attempt.rates.data?;
     Some(DataTiming { ticks_q20: data.clock.ticks_q20(), brs_ticks_q20: data.brs_ticks_q20 })
 }
 
@@ -85,11 +85,9 @@ fn prove_at(
             for fd_crc in [FdCrc::Iso, FdCrc::NonIso] {
                 for placement in Placement::FEW {
                     let rates = Rates { data: Some(rate), fd_crc, ..*rates };
-                    let reading = read(activity, &rates, placement);
-                    *compared += u32::from(reading.crc_compared);
-                    if let Some(received) = reading.proven() {
-                        let compared = *compared;
-                        return Some(Proof { rates, received, reading, placement, compared });
+                    let attempt = Attempt::new(activity, rates, placement);
+                    if let Some(proof) = attempt.proof(activity, compared) {
+                        return Some(proof);
                     }
                 }
             }

@@ -1,18 +1,26 @@
 //! The detector: edges in, a verdict out, in fixed memory.
 
-use super::glitch;
-use super::interval::interval;
+use super::lattice::Stray;
 use super::measure::{Measurement, pool};
+use super::places::Places;
 use super::prove::{Proof, prove, prove_at};
 use super::segment::{Candidate, End, Segmenter};
+use super::{glitch, interval};
 use crate::detect::{DataPhase, Found, Need, Verdict};
-use crate::wire::clock::{BIT_Q20, BitClock};
-use crate::wire::reader::{Activity, Rates, Reading};
+use crate::wire::clock::BitClock;
+use crate::wire::reader::{Activity, Rates};
 use crate::wire::{BusTiming, DataTiming, FdCrc, Frame, Logic, Polarity};
 
-/// Proof that a verdict needs: the rate is wrong with a probability of at most 2^-10 a frame
-/// that is damaged so that it fits another rate at all.
-const PROOF_BITS_MIN: u32 = 10;
+/// Proof that a verdict needs, in bits: one CRC, less what was tried until it was right.
+const PROOF_BITS_MIN: u32 = 13;
+/// The same with few ticks a bit, where many bit times that hardly differ must be tried.
+const PROOF_BITS_MIN_COARSE: u32 = 10;
+/// From this many ticks a bit on (times 2^20), a bit time needs no such trying.
+const FINE_TICKS_Q20: u64 = 4 << 20;
+/// A nominal bit time less certain than 1.2 % is no answer: rates in use lie 1.6 % apart.
+const UNCERTAINTY_MAX_PPB: u32 = 12_000_000;
+/// The same for frames with a data phase, whose nominal part is short.
+const SWITCHED_UNCERTAINTY_MAX_PPB: u32 = 5_000_000;
 /// Two bit times closer than this share of one another are the same rate: 1/64.
 const SAME_RATE_SHIFT: u32 = 6;
 
@@ -144,14 +152,14 @@ impl<const N: usize> PulseDetector<N> {
         }
         let mut compared = 0;
         let activity = Activity { runs, gap };
-        if let Some(proof) = prove(activity, &mut compared) {
+        if let Some(proof) = prove(activity, candidate.before, &mut compared) {
             rates.enter(&proof, activity, polarity);
             return true;
         }
         for width in glitch::widths(runs) {
             let Some(runs) = glitch::without(runs, width, &mut room) else { continue };
             let activity = Activity { runs, gap };
-            if let Some(proof) = prove(activity, &mut compared) {
+            if let Some(proof) = prove(activity, candidate.before, &mut compared) {
                 rates.enter(&proof, activity, polarity);
                 return true;
             }
@@ -182,8 +190,8 @@ impl ProvenRates {
 
     /// Enters a proof with the rate that it is for.
     fn enter(&mut self, proof: &Proof, activity: Activity<'_>, polarity: Polarity) {
-        let fitted = proof.reading.nominal.fit().ticks_q20();
-        let bit_q20 = fitted.unwrap_or(proof.rates.nominal.ticks_q20());
+        let fitted = proof.attempt.reading.nominal.fit().ticks_q20();
+        let bit_q20 = fitted.unwrap_or(proof.attempt.rates.nominal.ticks_q20());
         let same = self.iter_mut().find(|rate| {
             let known = rate.rates.nominal.ticks_q20();
             rate.polarity == polarity && known.abs_diff(bit_q20) <= known >> SAME_RATE_SHIFT
@@ -216,7 +224,7 @@ impl<const N: usize> Default for PulseDetector<N> {
 impl Rate {
     fn new(proof: &Proof, activity: Activity<'_>, polarity: Polarity) -> Self {
         let mut rate = Self {
-            rates: proof.rates,
+            rates: proof.attempt.rates,
             polarity,
             nominal: Measurement::default(),
             data: Measurement::default(),
@@ -253,24 +261,31 @@ impl Rate {
         }
         self.last_frame = hash;
         self.proven = self.proven.saturating_add(1);
-        self.nominal.add(&proof.reading.nominal);
+        self.nominal.add(&proof.attempt.reading.nominal);
         if proof.received.fd_crc.is_some() {
             self.fd_frames = self.fd_frames.saturating_add(1);
-            self.rates.fd_crc = proof.rates.fd_crc;
+            self.rates.fd_crc = proof.attempt.rates.fd_crc;
         }
-        if proof.reading.brs_run.is_some() {
-            self.data.add(&proof.reading.data);
-            self.rates.data = proof.rates.data;
+        if proof.attempt.reading.brs_run.is_some() {
+            self.data.add(&proof.attempt.reading.data);
+            self.rates.data = proof.attempt.rates.data;
         }
         if self.proven == 1
             && let Some(bit) = self.nominal.bit_time()
         {
-            let noise = noise_q20(activity, &proof.reading, bit.ticks_q20);
+            let places = Places::nominal(activity, &proof.attempt);
+            let noise = Stray::of(&places, bit.ticks_q20).variance_q20;
             self.nominal.set_noise(noise);
             self.data.set_noise(noise);
-            if let Some(interval) = interval(activity, proof) {
+            if let Some(interval) = interval::of(&places) {
                 self.nominal.set_interval(&interval);
             }
+        }
+        if self.data.frames() == 1
+            && let Some(places) = Places::data(activity, &proof.attempt)
+            && let Some(interval) = interval::of(&places)
+        {
+            self.data.set_interval(&interval);
         }
         self.sharpen();
     }
@@ -298,7 +313,9 @@ impl Rate {
         let Some(nominal) = self.nominal.bit_time() else {
             return Verdict::Undecided(Need::CleanFrame);
         };
-        if self.proof_bits < PROOF_BITS_MIN {
+        let fine = nominal.ticks_q20 >= FINE_TICKS_Q20;
+        let wanted = if fine { PROOF_BITS_MIN } else { PROOF_BITS_MIN_COARSE };
+        if self.proof_bits < wanted || nominal.uncertainty_ppb > UNCERTAINTY_MAX_PPB {
             return Verdict::Undecided(Need::AnotherFrame);
         }
         let (nominal, data) = match (self.fd_frames, self.data.bit_time()) {
@@ -309,6 +326,11 @@ impl Rate {
                 (nominal, DataPhase::Switched(data))
             }
         };
+        if let DataPhase::Switched(bit) = data
+            && bit.uncertainty_ppb.max(nominal.uncertainty_ppb) > SWITCHED_UNCERTAINTY_MAX_PPB
+        {
+            return Verdict::Undecided(Need::AnotherFrame);
+        }
         Verdict::Found(Found {
             nominal,
             data,
@@ -350,38 +372,4 @@ fn hash(frame: &Frame) -> u32 {
     head.chain(core::iter::once(frame.dlc()))
         .chain(frame.data().iter().copied())
         .fold(0x811C_9DC5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
-}
-
-/// Variance of the nominal edges about the bit grid, in ticks^2 times 2^20.
-fn noise_q20(activity: Activity<'_>, reading: &Reading, ticks_q20: u64) -> u64 {
-    let Some(clock) = BitClock::new(ticks_q20) else { return 0 };
-    let end = reading.brs_run.unwrap_or(reading.crc_run).min(activity.runs.len());
-    let mut position = 0_i64;
-    // Sum, sum of squares and number of the deviations, by polarity of the edge.
-    let mut sums = [(0_i64, 0_i64, 1_i64), (0, 0, 0)];
-    for (&run, polarity) in activity.runs.iter().take(end).zip([1, 0].into_iter().cycle()) {
-        position += i64::from(clock.bits_q20(run));
-        let off = position & i64::from(BIT_Q20 - 1);
-        // Deviations around 0 wrap; half a bit is as far as they go. 2^-10 of a bit is enough.
-        let off =
-            (if off >= i64::from(BIT_Q20 / 2) { off - i64::from(BIT_Q20) } else { off }) >> 10;
-        if let Some((sum, squares, count)) = sums.get_mut(polarity) {
-            *sum += off;
-            *squares += off * off;
-            *count += 1;
-        }
-    }
-    let (mut squares, mut freedom) = (0, 0);
-    for (sum, square, count) in sums {
-        if count > 1 {
-            squares += square - sum * sum / count;
-            freedom += count - 1;
-        }
-    }
-    if freedom <= 1 {
-        return 0;
-    }
-    let bits_q20 = u128::try_from(squares / (freedom - 1)).unwrap_or(0);
-    let ticks = u128::from(ticks_q20) >> 8;
-    u64::try_from((bits_q20 * ticks * ticks) >> 24).unwrap_or(u64::MAX)
 }

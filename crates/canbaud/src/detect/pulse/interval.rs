@@ -4,26 +4,13 @@
 //! Where the bit time is close to a whole number of ticks, the rounding errors of a frame are all
 //! alike, and least squares takes their common pattern for the bit time; the bounds do not.
 
-use super::prove::Proof;
-use crate::wire::Level;
-use crate::wire::reader::Activity;
-use crate::wire::sync::Sync;
-
-/// Edges that are compared, each with each.
-const EDGES_MAX: usize = 64;
+use super::places::{Extent, Place, Places};
 
 /// Bounds of a bit time in ticks times 2^20.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Interval {
     pub(super) low_q20: u64,
     pub(super) high_q20: u64,
-}
-
-/// An edge of the nominal phase.
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    ticks: u32,
-    bits: u32,
 }
 
 /// A bound as a fraction of ticks over bits.
@@ -44,27 +31,14 @@ impl Bound {
     }
 }
 
-/// The bit times that all pairs of nominal edges of one polarity allow; `None` if there are none,
-/// because jitter or a second sender moved an edge by more than rounding does.
-pub(super) fn interval(activity: Activity<'_>, proof: &Proof) -> Option<Interval> {
-    let rates = &proof.rates;
-    let late = rates.nominal.signed_bits_q20(rates.late_ticks_q20);
-    let placement = proof.placement;
-    let mut sync = Sync::new(placement.pace, rates.nominal, late, placement.sof_error_q20);
-    let end = proof.reading.brs_run.unwrap_or(proof.reading.crc_run);
-    let mut places = [Place { ticks: 0, bits: 0 }; EDGES_MAX];
-    let mut here = Place { ticks: 0, bits: 0 };
-    let mut count = 1;
-    let levels = [Level::Dominant, Level::Recessive].into_iter().cycle();
-    for ((&run, level), slot) in
-        activity.runs.iter().take(end).zip(levels).zip(places.iter_mut().skip(1))
-    {
-        here.ticks = here.ticks.checked_add(run)?;
-        here.bits += sync.bits(run, level);
-        *slot = here;
-        count += 1;
+/// The bit times that all pairs of edges of one polarity allow; `None` if there are none, because
+/// jitter or a second sender moved an edge by more than rounding does, or if there are so many
+/// edges that rounding averages out.
+pub(super) fn of(places: &Places) -> Option<Interval> {
+    match places.extent {
+        Extent::Whole => bounds(places.as_slice()),
+        Extent::FirstPart => None,
     }
-    bounds(places.get(..count)?)
 }
 
 fn bounds(places: &[Place]) -> Option<Interval> {

@@ -115,7 +115,10 @@ impl Measurement {
 }
 
 /// Whole ratios of nominal and data bit time that are looked for.
-const RATIO_MAX: u64 = 32;
+const RATIOS: core::ops::RangeInclusive<u64> = 2..=32;
+
+/// Less certain bit times agree with any ratio: 0.3 %.
+const POOL_UNCERTAINTY_MAX_PPB: u128 = 3_000_000;
 
 /// Makes one measurement of two: one oscillator makes both bit times of a node, nearly always in
 /// a whole ratio. If nominal and data bit time agree with one within four standard deviations,
@@ -128,7 +131,8 @@ pub(super) fn pool(nominal: BitTime, data: BitTime) -> (BitTime, BitTime) {
     let (first, second) =
         (u128::from(nominal.uncertainty_ppb.max(1)), u128::from(data.uncertainty_ppb.max(1)));
     let variance = first * first + second * second;
-    if ratio > RATIO_MAX || apart_ppb * apart_ppb > 16 * variance {
+    let sharp = first.max(second) <= POOL_UNCERTAINTY_MAX_PPB;
+    if !sharp || !RATIOS.contains(&ratio) || apart_ppb * apart_ppb > 16 * variance {
         return (nominal, data);
     }
     // Weights are inverse variances.

@@ -2,7 +2,8 @@
 //!
 //! `segment` cuts the runs into stretches that may be frames, without knowing a bit time;
 //! `coarse` and `comb` propose bit times for one of them; `data_rate` does the same for the data
-//! phase of CAN FD; `glitch` takes out runs too short to be bits; `prove` reads the frame at each proposal until a CRC is right; `measure` and
+//! phase of CAN FD; `glitch` takes out runs too short to be bits; `prove` reads the frame at each proposal until a CRC is right and all
+//! edges lie on the grid (`lattice`); `measure` and
 //! `interval` turn the edges of proven frames into a bit time with its uncertainty. [`PulseDetector`] is all of it.
 
 mod coarse;
@@ -11,8 +12,10 @@ mod data_rate;
 mod detector;
 mod glitch;
 mod interval;
+mod lattice;
 mod measure;
 mod minimum;
+mod places;
 mod prove;
 mod segment;
 

@@ -2,6 +2,8 @@
 
 use super::comb::Slack;
 use super::data_rate;
+use super::lattice::Stray;
+use super::places::Places;
 use super::{coarse, comb};
 use crate::wire::attempts::placements;
 use crate::wire::clock::BitClock;
@@ -10,6 +12,9 @@ use crate::wire::{FdCrc, Received};
 
 /// Most bit times tried for one frame.
 const PROPOSALS_MAX: usize = 48;
+
+/// Fewest idle bits before a frame: ten are sure, rounding may take one.
+const IDLE_BITS_MIN: u64 = 9;
 
 /// Bit times to try, in ticks times 2^20, in the order of trying.
 #[derive(Debug, Clone)]
@@ -40,33 +45,74 @@ impl Proposals {
     }
 }
 
-/// A frame that was read with its CRC right, and at which rates.
+/// A frame that was read with its CRC right and its edges on the grid.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Proof {
-    pub(super) rates: Rates,
+    pub(super) attempt: Attempt,
     pub(super) received: Received,
-    pub(super) reading: Reading,
-    pub(super) placement: Placement,
     /// Readings whose CRC was compared until one was right.
     pub(super) compared: u32,
 }
 
+/// One reading, and how it was made.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Attempt {
+    pub(super) rates: Rates,
+    pub(super) placement: Placement,
+    pub(super) reading: Reading,
+}
+
+impl Attempt {
+    pub(super) fn new(activity: Activity<'_>, rates: Rates, placement: Placement) -> Self {
+        Self { rates, placement, reading: read(activity, &rates, placement) }
+    }
+
+    /// The proof, if the edges lie on the grid and the CRC is right.
+    ///
+    /// Each CRC compared where the edges lie on the grid was one chance to be right by accident.
+    pub(super) fn proof(self, activity: Activity<'_>, compared: &mut u32) -> Option<Proof> {
+        if !self.reading.crc_compared || !self.lies_on_grid(activity) {
+            return None;
+        }
+        *compared += 1;
+        let received = self.reading.proven()?;
+        Some(Proof { attempt: self, received, compared: *compared })
+    }
+
+    /// Whether the nominal edges lie where those of a bus do.
+    fn lies_on_grid(&self, activity: Activity<'_>) -> bool {
+        // The fitted bit time, because the proposed one may drift off over the frame.
+        let fitted = self.reading.nominal.fit().ticks_q20();
+        let ticks_q20 = fitted.unwrap_or(self.rates.nominal.ticks_q20());
+        Stray::of(&Places::nominal(activity, self), ticks_q20).is_of_a_bus(ticks_q20)
+    }
+}
+
 /// Tries to prove a bit time for `activity`; counts the comparisons of a CRC in `compared`.
-pub(super) fn prove(activity: Activity<'_>, compared: &mut u32) -> Option<Proof> {
+///
+/// A frame needs its idle `before`: eleven bits, less what a late end of the frame before it takes.
+pub(super) fn prove(activity: Activity<'_>, before: u32, compared: &mut u32) -> Option<Proof> {
+    let idle_q20 = u64::from(before) << 20;
     let mut proposals = Proposals::new();
     coarse::propose(activity.runs, &mut proposals);
-    if let Some(proof) = first_right(activity, &proposals, compared) {
+    if let Some(proof) = first_right(activity, idle_q20, &proposals, compared) {
         return Some(proof);
     }
     [Slack::Tight, Slack::Loose].into_iter().find_map(|slack| {
         let mut proposals = Proposals::new();
         comb::propose(activity.runs, slack, &mut proposals);
-        first_right(activity, &proposals, compared)
+        first_right(activity, idle_q20, &proposals, compared)
     })
 }
 
-fn first_right(activity: Activity<'_>, proposals: &Proposals, compared: &mut u32) -> Option<Proof> {
-    proposals.iter().find_map(|bit_q20| {
+fn first_right(
+    activity: Activity<'_>,
+    idle_q20: u64,
+    proposals: &Proposals,
+    compared: &mut u32,
+) -> Option<Proof> {
+    let fitting = |bit_q20: &u64| idle_q20 >= bit_q20 * IDLE_BITS_MIN;
+    proposals.iter().filter(fitting).find_map(|bit_q20| {
         let nominal = BitClock::new(bit_q20)?;
         let rates = Rates { nominal, data: None, fd_crc: FdCrc::Iso, late_ticks_q20: 0 };
         prove_at(activity, &rates, compared)
@@ -76,28 +122,20 @@ fn first_right(activity: Activity<'_>, proposals: &Proposals, compared: &mut u32
 /// Reads `activity` at `rates` in every placement; finds the data rate if the frame asks for it.
 pub(super) fn prove_at(activity: Activity<'_>, rates: &Rates, compared: &mut u32) -> Option<Proof> {
     for placement in placements(activity, rates) {
-        let reading = read(activity, rates, placement);
-        *compared += u32::from(reading.crc_compared);
-        match reading.outcome {
-            Outcome::Frame { received, .. } | Outcome::Unacknowledged { received, .. } => {
-                let (rates, compared) = (*rates, *compared);
-                return Some(Proof { rates, received, reading, placement, compared });
+        let attempt = Attempt::new(activity, *rates, placement);
+        if let Some(proof) = attempt.proof(activity, compared) {
+            return Some(proof);
+        }
+        if let Outcome::DataRateWanted { brs_run } = attempt.reading.outcome {
+            if let Some(proof) = data_rate::prove(activity, rates, brs_run, compared) {
+                return Some(proof);
             }
-            Outcome::DataRateWanted { brs_run } => {
-                if let Some(proof) = data_rate::prove(activity, rates, brs_run, compared) {
-                    return Some(proof);
-                }
+        } else if attempt.reading.is_fd && rates.data.is_none() {
+            let rates = Rates { fd_crc: FdCrc::NonIso, ..*rates };
+            let attempt = Attempt::new(activity, rates, placement);
+            if let Some(proof) = attempt.proof(activity, compared) {
+                return Some(proof);
             }
-            Outcome::Failed(_) if reading.is_fd && rates.data.is_none() => {
-                let rates = Rates { fd_crc: FdCrc::NonIso, ..*rates };
-                let reading = read(activity, &rates, placement);
-                *compared += u32::from(reading.crc_compared);
-                if let Some(received) = reading.proven() {
-                    let compared = *compared;
-                    return Some(Proof { rates, received, reading, placement, compared });
-                }
-            }
-            Outcome::Failed(_) => {}
         }
     }
     None

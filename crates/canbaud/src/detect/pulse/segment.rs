@@ -30,6 +30,8 @@ struct Start {
 pub(super) struct Candidate {
     pub(super) at: usize,
     pub(super) idle: Logic,
+    /// The idle before; endless where the recording begins in it.
+    pub(super) before: u32,
     pub(super) gap: u32,
 }
 
@@ -49,6 +51,15 @@ pub(super) struct Segmenter<const N: usize> {
     starts: [Option<Start>; STARTS],
     /// Level of the run that comes next.
     level: Logic,
+    began: Began,
+}
+
+/// What the run that comes next begins with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Began {
+    /// With the recording: it may have been any longer.
+    WithTheRecording,
+    WithAnEdge,
 }
 
 impl Start {
@@ -68,7 +79,13 @@ impl Start {
 
 impl<const N: usize> Segmenter<N> {
     pub(super) const fn new() -> Self {
-        Self { runs: [0; N], len: 0, starts: [None; STARTS], level: Logic::High }
+        Self {
+            runs: [0; N],
+            len: 0,
+            starts: [None; STARTS],
+            level: Logic::High,
+            began: Began::WithTheRecording,
+        }
     }
 
     /// Unbroken recording begins at `level`.
@@ -76,6 +93,7 @@ impl<const N: usize> Segmenter<N> {
         self.len = 0;
         self.starts = [None; STARTS];
         self.level = level;
+        self.began = Began::WithTheRecording;
     }
 
     pub(super) fn runs_from(&self, at: usize) -> &[u32] {
@@ -94,7 +112,12 @@ impl<const N: usize> Segmenter<N> {
                 count >= RUNS_MIN && count % 2 == 1 && is_end
             })
             .nth(skip)
-            .map(|start| Candidate { at: start.at, idle: self.level, gap: run })
+            .map(|start| Candidate {
+                at: start.at,
+                idle: self.level,
+                before: start.before,
+                gap: run,
+            })
     }
 
     /// Goes on behind the run of `run` ticks.
@@ -125,8 +148,9 @@ impl<const N: usize> Segmenter<N> {
             self.len += 1;
         }
         if is_start {
-            self.add(Start::new(self.len, run));
+            self.add(Start::new(self.len, self.idle_before(run)));
         }
+        self.began = Began::WithAnEdge;
         self.level = self.level.toggled();
     }
 
@@ -135,7 +159,15 @@ impl<const N: usize> Segmenter<N> {
         self.len = 0;
         self.starts = [None; STARTS];
         self.add(Start::new(0, run));
+        self.began = Began::WithAnEdge;
         self.level = self.level.toggled();
+    }
+
+    const fn idle_before(&self, run: u32) -> u32 {
+        match self.began {
+            Began::WithTheRecording => u32::MAX,
+            Began::WithAnEdge => run,
+        }
     }
 
     /// Adds a beginning; the one with the shortest run before it goes if there is no room.

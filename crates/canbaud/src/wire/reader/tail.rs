@@ -38,7 +38,7 @@ impl TailRule {
         Self {
             delimiter_min: 4 * BIT_Q20 / 10,
             ack_start_max: 16 * BIT_Q20 / 10 + tick / 2,
-            ack_max: 15 * BIT_Q20 / 10 + tick,
+            ack_max: 15 * BIT_Q20 / 10 + tick / 2,
         }
     }
 }
