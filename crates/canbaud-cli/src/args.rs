@@ -8,6 +8,7 @@ use canbaud_capture::{Format, OpenOptions, Threshold};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::judge::JudgeOptions;
+use crate::run::timing::{ControllersArgs, TIMING_HELP, TimingArgs};
 
 const ABOUT: &str = "Finds the bit rate of a recorded CAN or CAN FD bus, proves it, decodes it";
 
@@ -17,11 +18,12 @@ Examples:
   canbaud detect --json *.vcd               one JSON object a line per source and channel
   canbaud decode bus.sr | grep ' can0 123#' every frame as candump log lines
   canbaud decode bus.sr --format pcapng -o bus.pcapng
+  canbaud timing --clock 80M --bitrate 500k --controller m_can
 
 Exit codes:
   0  a rate was found and proven        4  no traffic
   2  wrong command line                 5  a file cannot be read or written
-  3  undecided, or two rates in conflict
+  3  undecided, two rates in conflict, or an impossible bit timing
   With several sources: 5 before 3 before 4 before 0.";
 
 /// Behind the help of both commands; the names are those of [`Format`].
@@ -87,6 +89,11 @@ pub(crate) enum Command {
     /// Print every frame; the rate is detected unless given
     #[command(after_help = DECODE_HELP)]
     Decode(DecodeArgs),
+    /// Bit timing and registers for a controller, or back from registers
+    #[command(after_help = TIMING_HELP)]
+    Timing(Box<TimingArgs>),
+    /// What is known of each CAN controller
+    Controllers(ControllersArgs),
 }
 
 /// When to use colours.

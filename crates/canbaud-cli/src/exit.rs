@@ -14,6 +14,8 @@ pub(crate) enum Exit {
     NoTraffic,
     /// There was activity, but no proof, or two rates.
     Undecided,
+    /// No bit timing meets the request.
+    Impossible,
     /// A file could not be read, or an output could not be written.
     Unreadable,
     /// The command line was wrong.
@@ -26,7 +28,7 @@ impl Exit {
         match self {
             Self::Found => 0,
             Self::Usage => 2,
-            Self::Undecided => 3,
+            Self::Undecided | Self::Impossible => 3,
             Self::NoTraffic => 4,
             Self::Unreadable => 5,
         }
@@ -58,6 +60,7 @@ mod tests {
         let codes = [Exit::Found, Exit::Usage, Exit::Undecided, Exit::NoTraffic, Exit::Unreadable]
             .map(Exit::code);
         assert_eq!(codes, [0, 2, 3, 4, 5]);
+        assert_eq!(Exit::Impossible.code(), 3);
     }
 
     #[test]

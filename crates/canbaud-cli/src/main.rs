@@ -26,6 +26,8 @@ fn main() -> ExitCode {
     let exit = match cli.command {
         Command::Detect(args) => run::detect(&args, cli.color),
         Command::Decode(args) => run::decode(&args),
+        Command::Timing(args) => run::timing(&args),
+        Command::Controllers(args) => run::controllers(&args),
     };
     exit.into()
 }

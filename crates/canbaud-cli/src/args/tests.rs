@@ -5,7 +5,7 @@ fn reading(arguments: &[&str]) -> ReadingArgs {
     let line = ["canbaud", "decode", "x.sr"].iter().chain(arguments);
     match Cli::try_parse_from(line).unwrap().command {
         Command::Decode(decode) => decode.reading,
-        Command::Detect(_) => unreachable!("decode was asked for"),
+        _ => unreachable!("decode was asked for"),
     }
 }
 

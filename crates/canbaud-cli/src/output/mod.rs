@@ -3,6 +3,7 @@
 mod advice;
 mod candump;
 mod digits;
+mod expected;
 mod frames_json;
 mod number;
 pub(crate) use number::count;

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use canbaud::units::Bitrate;
 
 use super::advice::ip_link;
+use super::expected;
 use super::number::{
-    bitrate, bound, count, deviation_ppm, duration, percent, short, signed_ppm, thousands,
-    with_uncertainty,
+    bitrate, bound, count, deviation_ppm, duration, percent, short, thousands, with_uncertainty,
 };
 use super::paint::Paint;
 use super::words::{asymmetry, frames_by_kind, wrap};
@@ -25,8 +25,6 @@ pub(crate) enum Detail {
 
 /// Columns of the labels.
 const LABEL: usize = 13;
-/// A clock that far off is none: no two nodes of one bus could talk.
-const ANOTHER_RATE_PPM: f64 = 50_000.0;
 /// Text is broken before this column.
 const WIDTH: usize = 96;
 
@@ -196,14 +194,7 @@ impl Sheet {
             }
         }
         if let (Some(wanted), Some(rate)) = (expected, &report.nominal) {
-            let wanted = wanted.bits_per_second();
-            let offset = deviation_ppm(rate.measured, wanted);
-            let words = if offset.abs() < ANOTHER_RATE_PPM {
-                format!("measured {}", signed_ppm(offset))
-            } else {
-                "this is another rate".to_owned()
-            };
-            self.line("expected", &format!("{}: {words}", bitrate(wanted)));
+            self.line("expected", &expected::words(wanted, rate));
         }
     }
 

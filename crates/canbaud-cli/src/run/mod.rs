@@ -5,6 +5,8 @@ mod detect;
 mod failure;
 mod progress;
 mod queue;
+pub(crate) mod timing;
 
 pub(crate) use decode::decode;
 pub(crate) use detect::detect;
+pub(crate) use timing::{controllers, timing};

@@ -28,6 +28,9 @@ impl fmt::Display for Ppm {
 pub struct Permille(u16);
 
 impl Permille {
+    /// Nothing.
+    pub const ZERO: Self = Self(0);
+
     /// `value` thousandths; `None` above 1000.
     #[must_use]
     pub const fn new(value: u16) -> Option<Self> {
