@@ -107,10 +107,6 @@ impl ChannelJudge {
         self.timing.map(|(_, polarity)| polarity)
     }
 
-    pub(super) fn timing(&self) -> Option<BusTiming> {
-        self.timing.map(|(timing, _)| timing)
-    }
-
     /// How many bits to the right the ticks of the capture are shifted.
     pub(super) const fn shift(&self) -> u32 {
         self.shift

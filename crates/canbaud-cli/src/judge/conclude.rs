@@ -2,7 +2,7 @@
 
 use canbaud::detect::{BitTime, DataPhase, Measurement, Need, Verdict};
 use canbaud::rates::{self, KnownRate};
-use canbaud::units::Timebase;
+use canbaud::units::{Bitrate, Timebase};
 use canbaud::wire::Polarity;
 use canbaud_capture::{Channel, ChannelKind};
 
@@ -148,12 +148,19 @@ fn need(judge: &ChannelJudge, scale: Scale, shortest_s: Option<f64>, duration_s:
     // The longest classic frame has about 150 bits; the shortest run is one bit, or a tick of it.
     let frame_s = shortest_s.map_or(0.0, |bit| 160.0 * bit);
     match judge.verdict() {
-        Some(Verdict::Found(found)) if judge.is_given() => format!(
-            "no frame fits the given bit rate; the edges prove {:.0} bit/s",
-            scale.rate(found.nominal, rates::nominal()).map_or(0.0, |rate| rate.measured)
-        ),
-        _ if judge.is_given() => {
-            "no frame fits the given bit rate: leave it out to have it found".to_owned()
+        verdict if judge.is_given() => {
+            let proven = match verdict {
+                Some(Verdict::Found(found)) => scale.rate(found.nominal, rates::nominal()),
+                _ => None,
+            };
+            match proven.and_then(|rate| Bitrate::new(rate.bitrate)) {
+                Some(bitrate) => {
+                    format!("no frame fits the given bit rate; the edges prove {bitrate}bit/s")
+                }
+                None => {
+                    "no frame fits the given bit rate: leave it out to have it found".to_owned()
+                }
+            }
         }
         Some(Verdict::Undecided(Need::AnotherFrame)) => {
             "one frame fits a rate, but proves too little: capture another, different frame"
@@ -195,7 +202,7 @@ fn hertz(frequency: f64) -> String {
 }
 
 /// What speaks for a channel to be the one that carries the bus, the strongest first.
-pub(super) fn rank(report: &ChannelReport) -> (u8, u64, u8, u64) {
+pub(super) fn rank(report: &ChannelReport, judge: &ChannelJudge) -> (u8, u64, u8, u64) {
     let outcome = match report.outcome {
         Outcome::Found => 3,
         Outcome::Conflict => 2,
@@ -203,7 +210,7 @@ pub(super) fn rank(report: &ChannelReport) -> (u8, u64, u8, u64) {
         Outcome::NoTraffic => 0,
     };
     let clean = u8::from(report.frames.error == 0);
-    (outcome, report.proven_frames, clean, report.edges)
+    (outcome, report.proven_frames.max(proven(judge)), clean, report.edges)
 }
 
 /// Whether a channel is computed from two others.

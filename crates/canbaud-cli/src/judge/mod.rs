@@ -13,6 +13,7 @@ mod known;
 mod rival;
 mod sink;
 
+use std::cmp::Reverse;
 use std::ops::ControlFlow;
 
 use canbaud::units::Bitrate;
@@ -62,15 +63,16 @@ pub(crate) fn detect(
     }
     seek_rivals(capture, &wanted, &mut judges)?;
     let channels = capture.channels();
-    let mut reports: Vec<ChannelReport> = wanted
-        .iter()
-        .filter_map(|&index| {
-            let (channel, judge) = (channels.get(index)?, judges.get_mut(index)?);
-            Some(conclude::report(channel, judge, timebase, &summary.notes))
-        })
-        .collect();
-    reports.sort_by_key(|report| core::cmp::Reverse(conclude::rank(report)));
-    Ok(reports)
+    let mut reports = Vec::new();
+    for &index in &wanted {
+        if let (Some(channel), Some(judge)) = (channels.get(index), judges.get_mut(index)) {
+            let report = conclude::report(channel, judge, timebase, &summary.notes);
+            reports.push((conclude::rank(&report, judge), report));
+        }
+    }
+    // Stable: equal channels stay in the order of the file.
+    reports.sort_by_key(|(rank, _)| Reverse(*rank));
+    Ok(reports.into_iter().map(|(_, report)| report).collect())
 }
 
 /// Where many frames are destroyed at the rate found, another rate is sought on the same line.
@@ -167,7 +169,7 @@ fn busiest(
         .max_by_key(|&index| match (channels.get(index), judges.get_mut(index)) {
             (Some(channel), Some(judge)) => {
                 let report = conclude::report(channel, judge, timebase, &[]);
-                (conclude::rank(&report), core::cmp::Reverse(index))
+                (conclude::rank(&report, judge), Reverse(index))
             }
             _ => unreachable!("indices come from the list of channels"),
         })
