@@ -2,12 +2,13 @@
 
 use canbaud::detect::{BitTime, DataPhase, Measurement, Need, Verdict};
 use canbaud::rates::{self, KnownRate};
-use canbaud::units::{Bitrate, Timebase};
+use canbaud::units::Timebase;
 use canbaud::wire::Polarity;
 use canbaud_capture::{Channel, ChannelKind};
 
 use super::caveats;
 use super::channel::ChannelJudge;
+use crate::output::bitrate;
 use crate::report::{ChannelReport, Outcome, Rate};
 
 /// Intermission, in bits: belongs to a frame when the load of a bus is told.
@@ -153,10 +154,11 @@ fn need(judge: &ChannelJudge, scale: Scale, shortest_s: Option<f64>, duration_s:
                 Some(Verdict::Found(found)) => scale.rate(found.nominal, rates::nominal()),
                 _ => None,
             };
-            match proven.and_then(|rate| Bitrate::new(rate.bitrate)) {
-                Some(bitrate) => {
-                    format!("no frame fits the given bit rate; the edges prove {bitrate}bit/s")
-                }
+            match proven {
+                Some(rate) => format!(
+                    "no frame fits the given bit rate; the edges prove {}",
+                    bitrate(rate.bitrate)
+                ),
                 None => {
                     "no frame fits the given bit rate: leave it out to have it found".to_owned()
                 }

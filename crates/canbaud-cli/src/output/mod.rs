@@ -6,7 +6,7 @@ mod digits;
 mod expected;
 mod frames_json;
 mod number;
-pub(crate) use number::count;
+pub(crate) use number::{bitrate, count};
 mod paint;
 mod pcapng;
 mod report_json;

@@ -14,7 +14,7 @@ pub(super) fn thousands(value: u64) -> String {
 }
 
 /// `500000` as `500 kbit/s`, exactly.
-pub(super) fn bitrate(bits_per_second: u32) -> String {
+pub(crate) fn bitrate(bits_per_second: u32) -> String {
     let (unit, digits, word) = match bits_per_second {
         0..1_000 => (1, 0, "bit/s"),
         1_000..1_000_000 => (1_000, 3, "kbit/s"),
