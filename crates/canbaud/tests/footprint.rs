@@ -1,0 +1,18 @@
+//! What the detector and the decoder cost a microcontroller in memory.
+
+use canbaud::detect::PulseDetector;
+use canbaud::wire::Decoder;
+
+#[test]
+fn detector_for_classic_frames_fits_two_kibibytes() {
+    let bytes = size_of::<PulseDetector<160>>();
+    assert!(bytes <= 2048, "{bytes} bytes");
+}
+
+#[test]
+fn memory_grows_by_four_bytes_a_run_and_nothing_else() {
+    let runs = 640;
+    let per_detector = size_of::<PulseDetector<800>>() - size_of::<PulseDetector<160>>();
+    assert_eq!(per_detector, 4 * runs);
+    assert_eq!(size_of::<Decoder<800>>() - size_of::<Decoder<160>>(), 4 * runs);
+}
