@@ -207,7 +207,8 @@ impl<const N: usize> ActivityBuffer<N> {
     /// When the run at `index` began.
     pub(crate) fn run_start(&self, index: usize) -> u64 {
         let before = self.runs.get(..index.min(self.len).min(N)).unwrap_or(&[]);
-        self.origin + before.iter().map(|&run| u64::from(run)).sum::<u64>()
+        let sum = before.iter().map(|&run| u64::from(run)).sum::<u64>();
+        self.origin.saturating_add(sum)
     }
 
     /// Whether the recording began in it or too shortly before it to say that it began with SOF.

@@ -3,6 +3,9 @@
 /// One bit in the fixed-point form that this module and its users count in.
 pub(crate) const BIT_Q20: i32 = 1 << 20;
 
+/// Spans beyond this many bits (times 2^20) are counted as this many, so that sums fit: 256.
+const SPAN_MAX_Q20: i128 = 1 << 28;
+
 /// A bit time, prepared so that a run of ticks becomes a number of bits without a division.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct BitClock {
@@ -50,16 +53,16 @@ impl BitClock {
         ((self.ticks_q20 * u64::from(bits)) + (1 << 19)) >> 20
     }
 
-    /// A signed number of ticks (times 2^20) in bits, times 2^20.
+    /// A signed number of ticks (times 2^20) in bits, times 2^20; saturates at 256 bits.
     pub(crate) fn signed_bits_q20(self, ticks_q20: i64) -> i32 {
         let bits = (i128::from(ticks_q20) << 20) / i128::from(self.ticks_q20);
-        bits.clamp(i128::from(i32::MIN), i128::from(i32::MAX)) as i32
+        bits.clamp(-SPAN_MAX_Q20, SPAN_MAX_Q20) as i32
     }
 
     /// How long `self` is in bits of `other`, times 2^20.
     pub(crate) fn in_bits_of_q20(self, other: Self) -> i32 {
         let ratio = (self.ticks_q20 << 10) / (other.ticks_q20 >> 10).max(1);
-        ratio.min(i32::MAX as u64) as i32
+        ratio.min(SPAN_MAX_Q20 as u64) as i32
     }
 }
 

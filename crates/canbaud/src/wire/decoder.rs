@@ -179,7 +179,8 @@ impl<const N: usize> Decoder<N> {
         let failure = match reading.outcome {
             Outcome::Frame { received, overload } => {
                 // CRC delimiter, ACK slot, ACK delimiter and seven bits of EOF.
-                let end = start + self.frame_ticks(reading) + self.rates.nominal.ticks(10);
+                let bits = self.rates.nominal.ticks(10).saturating_add(self.frame_ticks(reading));
+                let end = start.saturating_add(bits);
                 let item = Item { start, end, kind: ItemKind::Frame(received) };
                 listener.item(&Decoded { item, nominal: reading.nominal, data: reading.data });
                 if overload {
@@ -214,7 +215,7 @@ impl<const N: usize> Decoder<N> {
         match failure.kind {
             ErrorKind::Stuff => {
                 let end = self.activity.run_start(failure.run + 1).max(start);
-                end.min(start + self.rates.nominal.ticks(11) / 2)
+                end.min(start.saturating_add(self.rates.nominal.ticks(11) / 2))
             }
             _ => start,
         }
@@ -225,7 +226,8 @@ impl<const N: usize> Decoder<N> {
         let nominal = self.rates.nominal.ticks(reading.nominal_bits);
         match (reading.brs_run, self.rates.data) {
             (Some(_), Some(data)) => {
-                nominal + (data.brs_ticks_q20 >> 20) + data.clock.ticks(reading.data_bits)
+                let data_ticks = data.clock.ticks(reading.data_bits);
+                nominal.saturating_add(data.brs_ticks_q20 >> 20).saturating_add(data_ticks)
             }
             _ => nominal,
         }

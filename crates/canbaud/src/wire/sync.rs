@@ -7,6 +7,9 @@
 use super::clock::{BIT_Q20, BitClock};
 use super::line::Level;
 
+/// Edges further off are no edges of that bit: one bit.
+const LATE_MAX_Q20: i32 = BIT_Q20;
+
 /// How the grid follows the edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Pace {
@@ -32,6 +35,8 @@ pub(crate) struct Sync {
 impl Sync {
     /// A grid whose first edge, to dominant, came `error_q20` of a bit (times 2^20) late.
     pub(crate) fn new(pace: Pace, clock: BitClock, late_q20: i32, error_q20: i32) -> Self {
+        let late_q20 = late_q20.clamp(-LATE_MAX_Q20, LATE_MAX_Q20);
+        let error_q20 = error_q20.clamp(-LATE_MAX_Q20, LATE_MAX_Q20);
         Self { pace, clock, late_q20, error_q20 }
     }
 
@@ -63,7 +68,7 @@ impl Sync {
     /// Goes on with another bit time; the last edge becomes the origin of its grid.
     pub(crate) fn switch(&mut self, clock: BitClock, late_q20: i32) {
         self.clock = clock;
-        self.late_q20 = late_q20;
+        self.late_q20 = late_q20.clamp(-LATE_MAX_Q20, LATE_MAX_Q20);
         self.error_q20 = 0;
     }
 }

@@ -29,7 +29,8 @@ pub(super) fn propose(runs: &[u32], slack: Slack, proposals: &mut Proposals) {
     let shortest = u64::from(runs.iter().copied().min().unwrap_or(0));
     let longest = u64::from(runs.iter().copied().max().unwrap_or(0));
     // No run is longer than five bits and a tick, none shorter than a bit less a tick.
-    let low = ((longest.saturating_sub(1) << 8) / 5 - ((longest << 8) / 100))
+    let low = ((longest.saturating_sub(1) << 8) / 5)
+        .saturating_sub((longest << 8) / 100)
         .max(TICKS_Q8_MIN)
         .max((duration << 8) / BITS_MAX);
     let high = ((shortest + 1) << 8).saturating_add(64).min(TICKS_Q8_MAX);

@@ -25,7 +25,7 @@ impl Stray {
         // The slope and two means are fitted.
         let freedom = (falling.count + rising.count).saturating_sub(3).max(1);
         Self {
-            variance_q20: (falling.squares + rising.squares) / freedom,
+            variance_q20: falling.squares.saturating_add(rising.squares) / freedom,
             farthest_q10: falling.farthest.max(rising.farthest),
             asymmetry_q10: match (falling.count, rising.count) {
                 (0, _) | (_, 0) => 0,
@@ -42,7 +42,8 @@ impl Stray {
         let tick_q10 = 1 << 10;
         self.farthest_q10 <= bit_q10 / 4 + tick_q10
             && self.asymmetry_q10 <= bit_q10 * 3 / 10 + tick_q10
-            && self.variance_q20 <= (bit_q10 * bit_q10) / 64 + (tick_q10 * tick_q10) / 6
+            && self.variance_q20
+                <= (bit_q10.saturating_mul(bit_q10)) / 64 + (tick_q10 * tick_q10) / 6
     }
 }
 
