@@ -1,0 +1,42 @@
+//! Simulated time over wall time for the loads that docs/simulator.md quotes.
+
+use std::time::Instant;
+
+use canbaud::wire::{Frame, FrameKind, Id};
+use canbaud_sim::{Blind, NodeConfig, Simulation, Span, Time};
+
+/// `nodes` nodes of which each sends a frame of eight bytes every `period`, for `seconds`.
+fn run(nodes: usize, bitrate: u32, period: Span, seconds: u64) -> (f64, u64) {
+    let mut sim = Simulation::new(1);
+    let ids: Vec<_> = (0..nodes)
+        .map(|n| {
+            let config = NodeConfig::at("node", bitrate).expect("80 MHz makes this rate");
+            sim.add_node(config.with_ppb(n as i64 * 10_000 - 40_000)).expect("a good clock")
+        })
+        .collect();
+    let end = Time::ZERO + Span::from_s(seconds);
+    let mut at = Time::ZERO + Span::from_us(500);
+    let mut count = 0_u64;
+    let start = Instant::now();
+    while at < end {
+        for (n, id) in ids.iter().enumerate() {
+            let data = (count.wrapping_mul(0x9E37_79B9_7F4A_7C15)).to_be_bytes();
+            let frame = Frame::new(Id::Base(0x100 + n as u16), FrameKind::Data, 8, &data);
+            sim.send_at(at, *id, frame.expect("eight bytes"));
+            count += 1;
+        }
+        at += period;
+        sim.run(at, &mut Blind);
+    }
+    (seconds as f64 / start.elapsed().as_secs_f64(), sim.steps())
+}
+
+fn main() {
+    // A frame of eight bytes has about 122 bits with its stuff bits and the intermission.
+    let eight = run(8, 500_000, Span::from_us(8 * 244 * 100 / 60), 20);
+    println!("500 kbit/s, 8 nodes, 60 % load: {:.0} x ({} steps)", eight.0, eight.1);
+    let two = run(2, 1_000_000, Span::from_us(2 * 122 * 100 / 90), 20);
+    println!("1 Mbit/s, 2 nodes, 90 % load: {:.0} x ({} steps)", two.0, two.1);
+    let idle = run(8, 500_000, Span::from_s(100), 10_000);
+    println!("idle bus, 8 nodes: {:.0} x", idle.0);
+}
