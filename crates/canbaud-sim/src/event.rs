@@ -2,6 +2,7 @@
 
 use canbaud::wire::{Frame, Level};
 
+use crate::node::NodeConfig;
 use crate::time::Time;
 
 /// A node of the bus, by its place in the order in which nodes were added.
@@ -212,6 +213,19 @@ pub struct Sample {
     pub busy: bool,
 }
 
+/// Something from outside the nodes that changes levels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Disturbance {
+    /// One more (or one less) driver at the star point that is no node.
+    Driven(Level),
+    /// The line is shorted to recessive.
+    Shorted,
+    /// A short is gone.
+    Unshorted,
+    /// RXD of a node is held at a level, or let go.
+    ForcedRxd(NodeId, Option<Level>),
+}
+
 /// Sees a run. Every method does nothing unless written.
 pub trait Observer {
     /// Whether [`Observer::sample`] is wanted; a run without it is faster.
@@ -238,8 +252,13 @@ pub trait Observer {
     }
 
     /// A node was set up anew: other timing, other mode, cut off, put back.
-    fn reconfigured(&mut self, at: Time, node: NodeId, config: &crate::node::NodeConfig) {
+    fn reconfigured(&mut self, at: Time, node: NodeId, config: &NodeConfig) {
         let _ = (at, node, config);
+    }
+
+    /// Something from outside the nodes begins or ends.
+    fn disturbed(&mut self, at: Time, disturbance: Disturbance) {
+        let _ = (at, disturbance);
     }
 }
 
@@ -276,9 +295,14 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
         self.1.event(at, node, event);
     }
 
-    fn reconfigured(&mut self, at: Time, node: NodeId, config: &crate::node::NodeConfig) {
+    fn reconfigured(&mut self, at: Time, node: NodeId, config: &NodeConfig) {
         self.0.reconfigured(at, node, config);
         self.1.reconfigured(at, node, config);
+    }
+
+    fn disturbed(&mut self, at: Time, disturbance: Disturbance) {
+        self.0.disturbed(at, disturbance);
+        self.1.disturbed(at, disturbance);
     }
 }
 
@@ -301,7 +325,11 @@ impl<O: Observer> Observer for &mut O {
         (**self).event(at, node, event);
     }
 
-    fn reconfigured(&mut self, at: Time, node: NodeId, config: &crate::node::NodeConfig) {
+    fn reconfigured(&mut self, at: Time, node: NodeId, config: &NodeConfig) {
         (**self).reconfigured(at, node, config);
+    }
+
+    fn disturbed(&mut self, at: Time, disturbance: Disturbance) {
+        (**self).disturbed(at, disturbance);
     }
 }

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod bus;
+pub mod check;
 mod clock;
 mod event;
 mod node;
@@ -18,7 +19,7 @@ mod timing;
 pub use bus::Transceiver;
 pub use clock::{Clock, ClockError, Quantum, Tick};
 pub use event::{
-    Blind, ErrorKind, Event, FaultState, NodeId, Observer, Place, Role, Rule, Sample,
+    Blind, Disturbance, ErrorKind, Event, FaultState, NodeId, Observer, Place, Role, Rule, Sample,
 };
 pub use node::{
     FaultConfinement, FdSupport, Gate, Mode, MonitoringCounters, Node, NodeConfig, Oscillator,

@@ -99,6 +99,20 @@ impl BitTiming {
             }
         }
         let (_, prescaler, quanta) = best.ok_or(unreachable)?;
+        Self::split(prescaler, quanta, sample_point)
+    }
+
+    /// The same bit rate and sample point with quanta of `prescaler` clock periods, if that fits:
+    /// in CAN FD a nominal quantum as short as a data quantum keeps the two phases together.
+    #[must_use]
+    pub fn with_prescaler(self, prescaler: u32) -> Option<Self> {
+        let periods = self.prescaler * self.quanta();
+        let fits = periods.is_multiple_of(prescaler) && (4..=385).contains(&(periods / prescaler));
+        let split = || Self::split(prescaler, periods / prescaler, self.sample_point()).ok();
+        fits.then(split).flatten()
+    }
+
+    fn split(prescaler: u32, quanta: u32, sample_point: Permille) -> Result<Self, TimingError> {
         let sample = (u32::from(sample_point.permille()) * quanta + 500) / 1000;
         let phase_seg2 = (quanta - sample.min(quanta)).clamp(1, quanta - 2);
         let before = quanta - 1 - phase_seg2;

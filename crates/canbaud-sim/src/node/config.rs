@@ -206,13 +206,16 @@ impl NodeConfig {
         self
     }
 
-    /// The same node with a data bit rate, sample point 80 %.
+    /// The same node with a data bit rate, sample point 80 %, and the nominal timing in quanta of
+    /// the same length, if that is possible.
     ///
     /// # Errors
     /// [`TimingError`] if the clock cannot make the rate.
     pub fn with_data_bitrate(mut self, bitrate: u32) -> Result<Self, TimingError> {
         let sample_point = Permille::new(800).unwrap_or_default();
-        self.data = Some(BitTiming::find(self.oscillator.hertz, bitrate, sample_point)?);
+        let data = BitTiming::find(self.oscillator.hertz, bitrate, sample_point)?;
+        self.nominal = self.nominal.with_prescaler(data.prescaler()).unwrap_or(self.nominal);
+        self.data = Some(data);
         Ok(self)
     }
 

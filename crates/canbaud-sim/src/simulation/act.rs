@@ -5,7 +5,7 @@ use core::cmp::Ordering;
 use canbaud::wire::{Frame, Level};
 
 use super::Simulation;
-use crate::event::{NodeId, Observer};
+use crate::event::{Disturbance, NodeId, Observer};
 use crate::node::{FaultConfinement, NodeConfig};
 use crate::time::Time;
 
@@ -67,12 +67,20 @@ impl Simulation {
                 None
             }
             Act::Drive { driver, level } => {
+                observer.disturbed(now, Disturbance::Driven(level));
                 self.line.send(now, driver, level);
                 None
             }
-            Act::Short => self.line.short(now),
-            Act::Unshort => self.line.unshort(now),
+            Act::Short => {
+                observer.disturbed(now, Disturbance::Shorted);
+                self.line.short(now)
+            }
+            Act::Unshort => {
+                observer.disturbed(now, Disturbance::Unshorted);
+                self.line.unshort(now)
+            }
             Act::ForceRxd { node, level } => {
+                observer.disturbed(now, Disturbance::ForcedRxd(node, level));
                 self.nodes[node.0].force_rxd(now, &self.line.log, level);
                 self.refresh(node, observer);
                 None
