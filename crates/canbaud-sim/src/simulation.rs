@@ -211,6 +211,26 @@ impl Simulation {
 
     /// Runs until `until`, or until a watched node has news.
     pub fn run<O: Observer>(&mut self, until: Time, observer: &mut O) -> Stop {
+        for node in &mut self.nodes {
+            // Whoever wants samples wants them in time.
+            node.set_late_reading(!O::SAMPLES);
+        }
+        self.refresh_all();
+        let stop = self.run_on(until, observer);
+        for node in &mut self.nodes {
+            node.catch_up(self.now, &self.line.log);
+        }
+        self.refresh_all();
+        stop
+    }
+
+    fn refresh_all(&mut self) {
+        for (node, next) in self.nodes.iter().zip(&mut self.next) {
+            *next = node.next();
+        }
+    }
+
+    fn run_on<O: Observer>(&mut self, until: Time, observer: &mut O) -> Stop {
         loop {
             let (mut at, mut place) = (Time::NEVER, 0);
             for (index, &next) in self.next.iter().enumerate() {

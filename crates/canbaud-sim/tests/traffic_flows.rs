@@ -218,3 +218,57 @@ fn tolerant_node_keeps_still_in_a_can_fd_frame_and_a_classic_one_destroys_it() {
         bench.finish();
     }
 }
+
+/// Without a look at samples the simulation reads quiet bits late; nothing else may differ.
+#[test]
+fn reading_late_changes_nothing() {
+    use canbaud_sim::{Blind, Observer, Simulation};
+    fn run<O: Observer>(seed: u64, other: &mut O) -> common::Journal {
+        let mut sim = Simulation::new(seed);
+        let mut rng = Rng::new(seed);
+        let ids: Vec<_> = (0..5)
+            .map(|n| {
+                let ppb = rng.below(8_000_000) as i64 - 4_000_000;
+                let mut config = node("n").with_ppb(ppb);
+                config.transceiver.jitter = Span::from_ns(rng.below(60));
+                config.transceiver.rx_recessive = Span::from_ns(60 + rng.below(80));
+                config.transceiver.propagation = Span::from_ns(rng.below(100));
+                // One of them at a wrong rate, and silent or not.
+                if n == 4 {
+                    config = canbaud_sim::NodeConfig::at("wrong", 410_000).unwrap();
+                    config.mode = [Mode::BusMonitoring, Mode::Normal][(seed % 2) as usize];
+                }
+                sim.add_node(config).unwrap()
+            })
+            .collect();
+        for _ in 0..60 {
+            let at = Time::ZERO + Span::from_us(rng.below(20_000));
+            sim.send_at(at, ids[rng.below(4) as usize], any_frame(&mut rng, false));
+        }
+        for _ in 0..rng.below(30) {
+            let at = Time::ZERO + Span::from_us(rng.below(20_000));
+            let width = Span::from_ns(rng.below(5_000) + 1);
+            match rng.below(3) {
+                0 => sim.dominant_at(at, width),
+                1 => sim.recessive_at(at, width),
+                _ => sim.force_rxd_at(at, ids[1], canbaud::wire::Level::Dominant, width),
+            }
+        }
+        let mut journal = common::Journal::default();
+        for ms in 1..=25 {
+            sim.run(Time::ZERO + Span::from_ms(ms), &mut (&mut *other, &mut journal));
+        }
+        journal
+    }
+    struct Samples;
+    impl Observer for Samples {
+        const SAMPLES: bool = true;
+    }
+    for seed in 0..60 {
+        let (exact, late) = (run(seed, &mut Samples), run(seed, &mut Blind));
+        assert!(exact.edges.len() > 1_000, "seed {seed}");
+        let same = exact.events.iter().zip(&late.events).take_while(|(a, b)| a == b).count();
+        assert_eq!(exact.events.get(same), late.events.get(same), "seed {seed}");
+        assert_eq!((exact.edges, exact.txd), (late.edges, late.txd), "seed {seed}");
+    }
+}

@@ -141,6 +141,18 @@ impl BitTime {
         self.sample.time()
     }
 
+    /// A time before the sample point that follows the next `bits` ones, however edges shorten the
+    /// bits until then; `None` if that is not later than the next sample point.
+    #[inline]
+    pub(crate) fn before_sample(&self, bits: u32) -> Option<Time> {
+        let segments = self.segments();
+        let bits = u64::from(bits);
+        // An edge to dominant comes every other bit at most.
+        let shortened = (bits / 2 + 2) * segments.sjw;
+        let quanta = (bits * segments.total()).checked_sub(shortened)?;
+        Some(self.clock.after(self.sample, &segments.quantum, quanta).time())
+    }
+
     #[inline]
     fn place_sample(&mut self, lengthened: u64) {
         let segments = self.segments();

@@ -76,6 +76,11 @@ pub struct Node {
     secondary: Option<SecondarySampling>,
     loop_delay: Span,
     corners: SyncCorners,
+    /// Whether bits that nothing can come of may be read late, many at a time.
+    late_reading: bool,
+    /// The node's next event.
+    due: Time,
+    /// When it has to be looked at: at `due`, or later if that is all the same.
     next: Time,
 }
 
@@ -109,6 +114,8 @@ impl Node {
             secondary: None,
             loop_delay: Span::ZERO,
             corners: SyncCorners::default(),
+            late_reading: false,
+            due: Time::NEVER,
             next: Time::NEVER,
         };
         node.schedule();
@@ -177,6 +184,21 @@ impl Node {
 
     #[inline]
     fn schedule(&mut self) {
+        self.note_due();
+        self.next = self.due;
+        if self.late_reading && self.change_at == Time::NEVER {
+            let quiet = self.protocol.quiet_bits();
+            if quiet > 0
+                && self.forced_rxd.is_none()
+                && let Some(later) = self.bit.before_sample(quiet)
+            {
+                self.next = self.next.max(later);
+            }
+        }
+    }
+
+    #[inline]
+    fn note_due(&mut self) {
         let own = if self.change_at != Time::NEVER {
             self.change_at
         } else if self.protocol.sleeps() {
@@ -184,17 +206,49 @@ impl Node {
         } else {
             self.bit.sample()
         };
-        self.next = own.min(self.edge_at);
+        self.due = own.min(self.edge_at);
     }
 
-    /// Something has changed at the star point: an edge to dominant may be on its way.
+    /// Allows or forbids late reading; the node has to be up to date.
+    pub(crate) fn set_late_reading(&mut self, allowed: bool) {
+        if self.late_reading != allowed {
+            self.late_reading = allowed;
+            self.schedule();
+        }
+    }
+
+    /// An edge to dominant is on its way from the star point.
     #[inline]
     pub(crate) fn notice_edge(&mut self, log: &EdgeLog) {
-        if self.synchronised || self.edge_at != Time::NEVER {
+        if self.synchronised || self.edge_at != Time::NEVER || self.next > self.due {
             return;
         }
         self.look_for_edge(log);
-        self.next = self.next.min(self.edge_at);
+        self.due = self.due.min(self.edge_at);
+        self.next = self.due;
+    }
+
+    /// Reads what has come in up to `now` and was not looked at.
+    pub(crate) fn catch_up(&mut self, now: Time, log: &EdgeLog) {
+        if self.next > self.due {
+            self.read_late(now, log);
+        }
+    }
+
+    #[inline]
+    fn read_late(&mut self, now: Time, log: &EdgeLog) {
+        if !self.synchronised && self.edge_at == Time::NEVER {
+            self.look_for_edge(log);
+            self.note_due();
+        }
+        while self.due <= now {
+            if self.edge_at <= self.due {
+                self.take_edge(self.due, log);
+            } else {
+                self.take_sample(self.due, log);
+            }
+        }
+        self.schedule();
     }
 
     #[inline]
@@ -206,7 +260,10 @@ impl Node {
     /// The node's next event has come.
     #[inline]
     pub(crate) fn step(&mut self, now: Time, log: &EdgeLog) -> Step {
-        if self.edge_at <= now {
+        if self.due < now {
+            self.read_late(now, log);
+            Step::Quiet
+        } else if self.edge_at <= now {
             self.take_edge(now, log);
             Step::Quiet
         } else if self.change_at <= now {

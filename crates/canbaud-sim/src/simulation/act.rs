@@ -60,6 +60,9 @@ impl Simulation {
     pub(super) fn act<O: Observer>(&mut self, observer: &mut O) {
         let Some(std::cmp::Reverse(entry)) = self.agenda.pop() else { return };
         let now = self.now;
+        if let Act::ForceRxd { node, .. } | Act::Drift { node, .. } = &entry.act {
+            self.nodes[node.0].catch_up(now, &self.line.log);
+        }
         let edge = match entry.act {
             Act::Send { node, frame } => {
                 self.nodes[node.0].request(now, frame);

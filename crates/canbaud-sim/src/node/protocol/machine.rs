@@ -161,6 +161,16 @@ impl Protocol {
         self.rate
     }
 
+    /// How many bits a receiver may read late, because nothing can come of them: no flag, no event.
+    #[inline]
+    pub(crate) fn quiet_bits(&self) -> u32 {
+        if self.state == State::Frame && self.sending.is_none() {
+            self.reader.quiet_bits()
+        } else {
+            0
+        }
+    }
+
     /// Whether nothing happens without an edge or a request.
     #[inline]
     pub(crate) fn sleeps(&self) -> bool {

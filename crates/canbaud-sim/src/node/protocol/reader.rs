@@ -156,6 +156,36 @@ impl Reader {
         self.crc_good
     }
 
+    /// How many bits from the next one on cannot end the frame, break a rule or change the rate,
+    /// whatever their levels.
+    #[inline]
+    pub(super) fn quiet_bits(&self) -> u32 {
+        let before_stuff_error = 5_u32.saturating_sub(self.run);
+        match self.field {
+            Field::BaseId | Field::ExtendedId => before_stuff_error.min(self.left - 1),
+            // The CRC field of CAN FD may begin right after, with a fixed stuff bit.
+            Field::Dlc if self.fd => before_stuff_error.min(self.left),
+            Field::Data if self.fd => {
+                let bytes = self.length - self.filled - 1;
+                before_stuff_error.min(self.left + 8 * bytes as u32)
+            }
+            Field::Dlc | Field::Data => before_stuff_error,
+            Field::Crc | Field::StuffCount if self.fd => self.until_fixed.min(self.left - 1),
+            Field::Crc => before_stuff_error.min(self.left - 1),
+            Field::Sof
+            | Field::Rtr
+            | Field::Ide
+            | Field::ExtendedRtr
+            | Field::Fdf
+            | Field::R0
+            | Field::Res
+            | Field::Brs
+            | Field::Esi
+            | Field::StuffCount
+            | Field::LastStuff => 0,
+        }
+    }
+
     /// Where the next bit lies.
     pub(super) const fn place(&self) -> Place {
         match self.field {
