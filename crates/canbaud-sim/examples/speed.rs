@@ -33,9 +33,10 @@ fn run(nodes: usize, bitrate: u32, period: Span, seconds: u64) -> (f64, u64) {
 
 fn main() {
     // A frame of eight bytes has about 122 bits with its stuff bits and the intermission.
-    let eight = run(8, 500_000, Span::from_us(8 * 244 * 100 / 60), 20);
+    let seconds = std::env::args().nth(1).map_or(20, |text| text.parse().expect("seconds"));
+    let eight = run(8, 500_000, Span::from_us(8 * 244 * 100 / 60), seconds);
     println!("500 kbit/s, 8 nodes, 60 % load: {:.0} x ({} steps)", eight.0, eight.1);
-    let two = run(2, 1_000_000, Span::from_us(2 * 122 * 100 / 90), 20);
+    let two = run(2, 1_000_000, Span::from_us(2 * 122 * 100 / 90), seconds);
     println!("1 Mbit/s, 2 nodes, 90 % load: {:.0} x ({} steps)", two.0, two.1);
     let idle = run(8, 500_000, Span::from_s(100), 10_000);
     println!("idle bus, 8 nodes: {:.0} x", idle.0);

@@ -1,5 +1,7 @@
 //! Bit time and synchronisation [ISO 11898-1 bit timing].
 
+use core::cmp::Ordering;
+
 use crate::clock::{Clock, Quantum, Tick};
 use crate::time::Time;
 use crate::timing::BitTiming;
@@ -74,6 +76,8 @@ impl Segments {
 }
 
 /// Where a node is in its bit: the bit whose sample point comes next.
+///
+/// Everything is counted in quanta from `origin`, the last sample point; edges only move counts.
 #[derive(Debug, Clone)]
 pub(crate) struct BitTime {
     clock: Clock,
@@ -81,7 +85,11 @@ pub(crate) struct BitTime {
     data: Segments,
     timings: (BitTiming, BitTiming),
     rate: Rate,
-    start: Tick,
+    origin: Tick,
+    /// Quanta from the origin to the start of the bit.
+    start: u64,
+    /// Quanta from the origin to its sample point.
+    to_sample: u64,
     sample: Tick,
     last: Option<SyncOutcome>,
 }
@@ -95,27 +103,28 @@ impl BitTime {
     ) -> Self {
         let data = data.unwrap_or(nominal);
         let segments = Segments::new(&clock, &nominal);
-        let start = Tick::at(start);
-        let sample = clock.after(start, &segments.quantum, segments.sample);
+        let origin = Tick::at(start);
         Self {
             data: Segments::new(&clock, &data),
-            nominal: segments,
             timings: (nominal, data),
-            clock,
             rate: Rate::Nominal,
-            start,
-            sample,
+            origin,
+            start: 0,
+            to_sample: segments.sample,
+            sample: clock.after(origin, &segments.quantum, segments.sample),
+            nominal: segments,
+            clock,
             last: None,
         }
     }
 
-    /// Another clock from the start of the next bit on: a piece of a drift.
+    /// Another clock from the last sample point on: a piece of a drift.
     pub(crate) fn change_clock(&mut self, clock: Clock) {
         self.nominal = Segments::new(&clock, &self.timings.0);
         self.data = Segments::new(&clock, &self.timings.1);
         self.clock = clock;
-        self.start = self.start.rebased();
-        self.place_sample(0);
+        self.origin = self.origin.rebased();
+        self.place_sample();
     }
 
     #[inline]
@@ -132,13 +141,18 @@ impl BitTime {
 
     /// The start of the bit whose sample point comes next.
     #[inline]
-    pub(crate) const fn start(&self) -> Time {
-        self.start.time()
+    pub(crate) fn start(&self) -> Time {
+        self.tick(self.start).time()
     }
 
     #[inline]
     pub(crate) const fn sample(&self) -> Time {
         self.sample.time()
+    }
+
+    #[inline]
+    fn tick(&self, quanta: u64) -> Tick {
+        self.clock.after(self.origin, &self.segments().quantum, quanta)
     }
 
     /// A time before the sample point that follows the next `bits` ones, however edges shorten the
@@ -154,78 +168,78 @@ impl BitTime {
     }
 
     #[inline]
-    fn place_sample(&mut self, lengthened: u64) {
-        let segments = self.segments();
-        self.sample =
-            self.clock.after(self.start, &segments.quantum, segments.sample + lengthened);
+    fn place_sample(&mut self) {
+        self.sample = self.tick(self.to_sample);
     }
 
     /// Past the sample point: the rest of the bit and the next one have `rate`.
     #[inline]
     pub(crate) fn advance(&mut self, rate: Rate) {
         self.rate = rate;
-        let segments = self.segments();
-        self.start = self.clock.after(self.sample, &segments.quantum, segments.phase_seg2);
-        self.place_sample(0);
+        self.origin = self.sample;
+        let (phase_seg2, sample) = (self.segments().phase_seg2, self.segments().sample);
+        self.start = phase_seg2;
+        self.to_sample = phase_seg2 + sample;
+        self.place_sample();
     }
 
     /// Lets whole bits pass until one starts at or after `time`: the bus was idle.
     pub(crate) fn skip_to(&mut self, time: Time) {
-        if self.start.time() >= time {
+        if self.start() >= time {
             return;
         }
         let segments = self.segments();
-        let quanta = self.clock.locate(self.start, &segments.quantum, time).unsigned_abs();
-        let bits = quanta / segments.total();
-        let at = self.clock.after(self.start, &segments.quantum, bits * segments.total());
-        self.start = if at.time() < time {
-            self.clock.after(at, &segments.quantum, segments.total())
-        } else {
-            at
-        };
-        self.place_sample(0);
+        let (total, sample) = (segments.total(), segments.sample);
+        let gone = self.clock.locate(self.origin, &segments.quantum, time) - self.start;
+        // The origin stays behind `time`: an edge may come before the bit starts.
+        self.origin = self.tick(self.start + gone / total * total);
+        self.start = if self.origin.time() < time { total } else { 0 };
+        self.to_sample = self.start + sample;
+        self.place_sample();
     }
 
-    /// A recessive to dominant edge at `time`. Returns what it did, and when a change of TXD that
-    /// waits for the start of the bit takes place now.
-    pub(crate) fn edge(&mut self, time: Time, rule: SyncRule) -> (SyncOutcome, Time) {
-        let quantum = self.segments().quantum;
-        let position = self.clock.locate(self.start, &quantum, time);
-        let outcome = match (rule, position) {
-            (SyncRule::Off, _) | (SyncRule::NegativeOnly, 1..) => SyncOutcome::Ignored,
+    /// A recessive to dominant edge at `time`, which is after the last sample point. Returns what
+    /// it did, and when a change of TXD that waits for the start of the bit takes place now.
+    #[inline]
+    pub(crate) fn edge(&mut self, time: Time, rule: SyncRule) -> (SyncOutcome, u64) {
+        let segments = self.segments();
+        let (sjw, sample) = (segments.sjw, segments.sample);
+        let position = self.clock.locate(self.origin, &segments.quantum, time);
+        let outcome = match (rule, position.cmp(&self.start)) {
+            (SyncRule::Off, _) | (SyncRule::NegativeOnly, Ordering::Greater) => {
+                SyncOutcome::Ignored
+            }
             (SyncRule::Hard, _) => {
-                self.start = if position >= 0 {
-                    self.clock.after(self.start, &quantum, position.unsigned_abs())
-                } else {
-                    self.clock.before(self.start, &quantum, position.unsigned_abs())
-                };
-                self.place_sample(0);
+                self.start = position;
+                self.to_sample = position + sample;
+                self.place_sample();
                 SyncOutcome::Hard
             }
-            (_, 0) => SyncOutcome::InSyncSeg,
-            (_, 1..) => {
-                let error = position.unsigned_abs();
-                let by = error.min(self.segments().sjw);
-                self.place_sample(by);
+            (_, Ordering::Equal) => SyncOutcome::InSyncSeg,
+            (_, Ordering::Greater) => {
+                let error = position - self.start;
+                let by = error.min(sjw);
+                self.to_sample += by;
+                self.place_sample();
                 SyncOutcome::Lengthened { error: error as u32, by: by as u32 }
             }
-            (_, _) => {
-                let error = position.unsigned_abs();
-                let by = error.min(self.segments().sjw);
-                self.start = self.clock.before(self.start, &quantum, by);
-                self.place_sample(0);
+            (_, Ordering::Less) => {
+                let error = self.start - position;
+                let by = error.min(sjw);
+                self.start -= by;
+                self.to_sample -= by;
+                self.place_sample();
                 SyncOutcome::Shortened { error: error as u32, by: by as u32 }
             }
         };
         self.last = Some(outcome);
-        // The edge is seen at the end of its quantum.
-        let seen = if self.start.time() > time {
-            self.start.time()
-        } else {
-            let into = self.clock.locate(self.start, &quantum, time).unsigned_abs();
-            self.clock.after(self.start, &quantum, into + 1).time()
-        };
-        (outcome, seen)
+        (outcome, position)
+    }
+
+    /// When a change of TXD that waits for the start of the bit takes place, after an edge in
+    /// quantum `position`: the edge is seen at the end of its quantum.
+    pub(crate) fn change_after_edge(&self, position: u64) -> Time {
+        self.tick(self.start.max(position + 1)).time()
     }
 
     /// What the last edge did.

@@ -235,19 +235,34 @@ impl Node {
         }
     }
 
-    #[inline]
+    /// All samples up to `now` are quiet ones: they only go into the frame that is being read.
     fn read_late(&mut self, now: Time, log: &EdgeLog) {
-        if !self.synchronised && self.edge_at == Time::NEVER {
-            self.look_for_edge(log);
-            self.note_due();
-        }
-        while self.due <= now {
-            if self.edge_at <= self.due {
-                self.take_edge(self.due, log);
-            } else {
-                self.take_sample(self.due, log);
+        let mut edge =
+            if self.synchronised { Time::NEVER } else { self.rxd.next_dominant(log) };
+        loop {
+            let sample = self.bit.sample();
+            if edge <= sample {
+                if edge > now {
+                    break;
+                }
+                if self.rxd.level_at(log, edge) == Level::Dominant {
+                    self.synchronise(edge);
+                    edge = Time::NEVER;
+                } else {
+                    edge = self.rxd.next_dominant(log);
+                }
+                continue;
             }
+            if sample > now {
+                break;
+            }
+            let level = self.rxd.level_at(log, sample);
+            self.protocol.read_quiet(level);
+            self.bit.advance(self.bit.rate());
+            self.synchronised = level == Level::Dominant;
+            edge = if self.synchronised { Time::NEVER } else { self.rxd.next_dominant(log) };
         }
+        self.edge_at = edge;
         self.schedule();
     }
 
@@ -299,14 +314,14 @@ impl Node {
             self.loop_delay = now.since(self.txd_changed);
         }
         let rule = self.protocol.sync_rule(self.txd);
-        let (outcome, seen) = self.bit.edge(now, rule);
+        let (outcome, position) = self.bit.edge(now, rule);
         let timing = match (self.bit.rate(), &self.config.data) {
             (Rate::Data, Some(data)) => data,
             (Rate::Data, None) | (Rate::Nominal, _) => &self.config.nominal,
         };
         self.corners.note(outcome, timing.sjw());
         if self.change_at != Time::NEVER {
-            self.change_at = seen;
+            self.change_at = self.bit.change_after_edge(position);
         }
         self.protocol.wake();
     }

@@ -48,6 +48,10 @@ impl Rxd {
     /// those that have left the star point. A pulse that the asymmetry eats up does not count.
     #[inline]
     pub(crate) fn next_dominant(&self, log: &EdgeLog) -> Time {
+        if self.cursor == log.head() { Time::NEVER } else { self.find_dominant(log) }
+    }
+
+    fn find_dominant(&self, log: &EdgeLog) -> Time {
         let mut number = self.cursor;
         while number < log.head() {
             let Some((at, to)) = self.arrival(log, number) else { break };

@@ -164,11 +164,18 @@ impl Protocol {
     /// How many bits a receiver may read late, because nothing can come of them: no flag, no event.
     #[inline]
     pub(crate) fn quiet_bits(&self) -> u32 {
-        if self.state == State::Frame && self.sending.is_none() {
+        if matches!(self.state, State::Frame) && self.sending.is_none() {
             self.reader.quiet_bits()
         } else {
             0
         }
+    }
+
+    /// Takes one of the bits that [`Protocol::quiet_bits`] promised.
+    #[inline]
+    pub(crate) fn read_quiet(&mut self, level: Level) {
+        let step = self.reader.push(level);
+        debug_assert_eq!(step, super::reader::Step::Continue);
     }
 
     /// Whether nothing happens without an edge or a request.
@@ -180,13 +187,13 @@ impl Protocol {
     /// An edge was seen: an idle node looks at the bit that it begins.
     #[inline]
     pub(crate) fn wake(&mut self) {
-        if self.state == State::Idle {
+        if matches!(self.state, State::Idle) {
             self.state = State::IdleBit;
         }
     }
 
     pub(crate) fn is_off(&self) -> bool {
-        self.state == State::Off
+        matches!(self.state, State::Off)
     }
 
     /// Whether this node sends the frame on the bus.
@@ -198,7 +205,7 @@ impl Protocol {
     /// Whether the bit that began last is res of a CAN FD frame.
     #[inline]
     pub(crate) fn is_at_res(&self) -> bool {
-        self.state == State::Frame && self.reader.expects_res()
+        matches!(self.state, State::Frame) && self.reader.expects_res()
     }
 
     pub(crate) fn is_busy(&self) -> bool {
