@@ -144,9 +144,7 @@ impl Clock {
         let tick = self.after(origin, quantum, count).fs;
         if tick > at {
             count = count.saturating_sub(1);
-        } else if at - tick >= quantum.whole
-            && self.after(origin, quantum, count + 1).fs <= at
-        {
+        } else if at - tick >= quantum.whole && self.after(origin, quantum, count + 1).fs <= at {
             count += 1;
         }
         count

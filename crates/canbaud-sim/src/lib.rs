@@ -9,12 +9,16 @@
 mod bus;
 pub mod check;
 mod clock;
+pub mod device;
 mod event;
 mod node;
 mod rng;
+pub mod scenario;
 mod simulation;
 mod time;
 mod timing;
+pub mod traffic;
+pub mod write;
 
 pub use bus::Transceiver;
 pub use clock::{Clock, ClockError, Quantum, Tick};

@@ -177,7 +177,8 @@ impl core::str::FromStr for Span {
         }
         let whole: u128 = whole.parse().map_err(|_| bad())?;
         let scale = 10_u128.pow(fraction.len() as u32);
-        let part: u128 = if fraction.is_empty() { 0 } else { fraction.parse().map_err(|_| bad())? };
+        let part: u128 =
+            if fraction.is_empty() { 0 } else { fraction.parse().map_err(|_| bad())? };
         let fs = whole.checked_mul(unit).ok_or_else(bad)? + part * unit / scale;
         match u64::try_from(fs) {
             Ok(fs) if fs <= Self::MAX.0 => Ok(Self(fs)),

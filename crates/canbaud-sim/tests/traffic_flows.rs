@@ -130,9 +130,11 @@ fn lone_talker_ends_error_passive_and_a_monitor_gets_its_frames_only_then() {
     bench.sim.send_at(Time::ZERO, ids[0], data(0x321, &[1, 2, 3]));
     bench.run_for(Span::from_ms(20));
     assert_eq!(bench.sim.node(ids[0]).fault().tec(), 128);
-    let first = bench.journal.events.iter().position(|(_, n, e)| {
-        *n == ids[1] && matches!(e, Event::Received { .. })
-    });
+    let first = bench
+        .journal
+        .events
+        .iter()
+        .position(|(_, n, e)| *n == ids[1] && matches!(e, Event::Received { .. }));
     let attempts = bench.journal.events[..first.unwrap()]
         .iter()
         .filter(|(_, _, e)| matches!(e, Event::TransmissionStarted { .. }))

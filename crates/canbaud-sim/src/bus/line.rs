@@ -98,11 +98,8 @@ impl Line {
     }
 
     fn settle(&mut self, at: Time) -> Option<Edge> {
-        let level = if self.shorted == 0 && self.dominant > 0 {
-            Level::Dominant
-        } else {
-            Level::Recessive
-        };
+        let level =
+            if self.shorted == 0 && self.dominant > 0 { Level::Dominant } else { Level::Recessive };
         if level == self.level {
             return None;
         }

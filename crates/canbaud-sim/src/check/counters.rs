@@ -12,11 +12,21 @@ use crate::time::Time;
 enum Flag {
     None,
     /// Six dominant bits; `overload` or error.
-    Active { left: u8, overload: bool },
+    Active {
+        left: u8,
+        overload: bool,
+    },
     /// Six equal bits on the bus; `owes` an increase of TEC if one of them is dominant.
-    Passive { run: u8, last: Option<Level>, owes: bool },
+    Passive {
+        run: u8,
+        last: Option<Level>,
+        owes: bool,
+    },
     /// Until the first recessive bit.
-    After { dominant: u32, overload: bool },
+    After {
+        dominant: u32,
+        overload: bool,
+    },
 }
 
 /// The counters of one node as they should be.
@@ -162,13 +172,7 @@ impl Counters {
         }
     }
 
-    pub(super) fn event(
-        &mut self,
-        at: Time,
-        node: NodeId,
-        event: &Event,
-        findings: &mut Findings,
-    ) {
+    pub(super) fn event(&mut self, at: Time, node: NodeId, event: &Event, findings: &mut Findings) {
         let mut complain = |what: String| findings.add(at, Some(node), what);
         match event {
             Event::Error { kind, place, role, exempt } => {

@@ -51,6 +51,8 @@ pub(super) struct Decoder {
     timings: Vec<Timing>,
     started: Vec<Option<Time>>,
     edges: VecDeque<(Time, Level)>,
+    /// When something from outside last changed the line.
+    disturbed: Option<Time>,
     decoded: u64,
 }
 
@@ -316,6 +318,7 @@ impl Decoder {
             timings: configs.iter().map(Timing::new).collect(),
             started: vec![None; configs.len()],
             edges: VecDeque::new(),
+            disturbed: None,
             decoded: 0,
         }
     }
@@ -336,13 +339,12 @@ impl Decoder {
         self.edges.push_back((at, level));
     }
 
-    pub(super) fn event(
-        &mut self,
-        at: Time,
-        node: NodeId,
-        event: &Event,
-        findings: &mut Findings,
-    ) {
+    /// Edges of a glitch are no edges of the sender: a frame that has some is not read back.
+    pub(super) fn disturbed(&mut self, at: Time) {
+        self.disturbed = Some(at);
+    }
+
+    pub(super) fn event(&mut self, at: Time, node: NodeId, event: &Event, findings: &mut Findings) {
         match event {
             Event::TransmissionStarted { .. } => self.started[node.0] = Some(at),
             Event::Transmitted { frame } => {
@@ -365,7 +367,7 @@ impl Decoder {
             .iter()
             .map(|(at, level)| (at.femtoseconds() as f64, u8::from(*level == Level::Recessive)))
             .collect();
-        if !timing.on_bus {
+        if !timing.on_bus || self.disturbed.is_some_and(|at| at >= started) {
             return Ok(());
         }
         let sof = edges.iter().position(|(at, level)| *at >= earliest && *level == 0);

@@ -58,13 +58,7 @@ impl Frames {
         (0.99..1.01).contains(&ratio) && self.fd[node.0] == self.fd[from]
     }
 
-    pub(super) fn event(
-        &mut self,
-        at: Time,
-        node: NodeId,
-        event: &Event,
-        findings: &mut Findings,
-    ) {
+    pub(super) fn event(&mut self, at: Time, node: NodeId, event: &Event, findings: &mut Findings) {
         match event {
             Event::TransmissionStarted { frame, .. } => self.sending[node.0] = Some(*frame),
             Event::ArbitrationLost { .. } | Event::Error { .. } | Event::Abandoned { .. } => {
@@ -82,7 +76,9 @@ impl Frames {
                     return;
                 }
                 let peers = (0..self.sending.len()).filter(|peer| *peer != node.0);
-                if peers.filter(|peer| self.sending[*peer].is_some()).all(|p| !self.can_read(node, p))
+                if peers
+                    .filter(|peer| self.sending[*peer].is_some())
+                    .all(|p| !self.can_read(node, p))
                 {
                     self.phantoms += 1;
                 } else {

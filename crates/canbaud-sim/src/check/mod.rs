@@ -123,7 +123,12 @@ impl Checker {
     /// If there was a violation; prints the first ones.
     pub fn assert_clean(&self) {
         let list: Vec<_> = self.findings.kept.iter().map(ToString::to_string).collect();
-        assert!(self.findings.count == 0, "{} violations:\n{}", self.findings.count, list.join("\n"));
+        assert!(
+            self.findings.count == 0,
+            "{} violations:\n{}",
+            self.findings.count,
+            list.join("\n")
+        );
     }
 }
 
@@ -162,5 +167,8 @@ impl Observer for Checker {
 
     fn disturbed(&mut self, at: Time, disturbance: Disturbance) {
         self.wire.disturbed(at, disturbance, &mut self.findings);
+        if !matches!(disturbance, Disturbance::ForcedRxd(..)) {
+            self.decoder.disturbed(at);
+        }
     }
 }

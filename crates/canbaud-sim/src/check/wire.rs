@@ -68,7 +68,8 @@ impl Ear {
     /// The level at `time`; `None` while jitter leaves it open.
     fn level_at(&mut self, time: Time) -> Option<Level> {
         let jitter = self.transceiver.jitter;
-        while let Some(&(arrival, to)) = self.coming.front().filter(|(at, _)| *at <= time + jitter) {
+        while let Some(&(arrival, to)) = self.coming.front().filter(|(at, _)| *at <= time + jitter)
+        {
             self.coming.pop_front();
             self.level = to;
             self.open_until = arrival + jitter;

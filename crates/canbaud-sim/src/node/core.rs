@@ -237,8 +237,7 @@ impl Node {
 
     /// All samples up to `now` are quiet ones: they only go into the frame that is being read.
     fn read_late(&mut self, now: Time, log: &EdgeLog) {
-        let mut edge =
-            if self.synchronised { Time::NEVER } else { self.rxd.next_dominant(log) };
+        let mut edge = if self.synchronised { Time::NEVER } else { self.rxd.next_dominant(log) };
         loop {
             let sample = self.bit.sample();
             if edge <= sample {

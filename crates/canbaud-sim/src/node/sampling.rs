@@ -19,7 +19,12 @@ pub(crate) struct Rxd {
 
 impl Rxd {
     /// RXD from now on, the bus being at `level`.
-    pub(crate) const fn new(transceiver: Transceiver, salt: u64, log: &EdgeLog, level: Level) -> Self {
+    pub(crate) const fn new(
+        transceiver: Transceiver,
+        salt: u64,
+        log: &EdgeLog,
+        level: Level,
+    ) -> Self {
         Self { transceiver, salt, cursor: log.head(), level }
     }
 

@@ -184,11 +184,16 @@ impl Protocol {
         matches!(self.state, State::Idle | State::Off)
     }
 
-    /// An edge was seen: an idle node looks at the bit that it begins.
+    /// An edge was seen: an idle node looks at the bit that it begins. One that integrates and
+    /// knows CAN FD begins to count anew, lest data bits between its samples go unseen.
     #[inline]
     pub(crate) fn wake(&mut self) {
-        if matches!(self.state, State::Idle) {
-            self.state = State::IdleBit;
+        match self.state {
+            State::Idle => self.state = State::IdleBit,
+            State::Integrating { .. } if self.setup.fd != FdSupport::None => {
+                self.state = State::Integrating { recessive: 0 };
+            }
+            _ => {}
         }
     }
 
@@ -209,10 +214,7 @@ impl Protocol {
     }
 
     pub(crate) fn is_busy(&self) -> bool {
-        !matches!(
-            self.state,
-            State::Off | State::Idle | State::IdleBit | State::Integrating { .. }
-        )
+        !matches!(self.state, State::Off | State::Idle | State::IdleBit | State::Integrating { .. })
     }
 
     pub(crate) fn has_events(&self) -> bool {

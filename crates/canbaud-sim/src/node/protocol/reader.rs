@@ -189,11 +189,9 @@ impl Reader {
     /// Where the next bit lies.
     pub(super) const fn place(&self) -> Place {
         match self.field {
-            Field::Sof
-            | Field::BaseId
-            | Field::Rtr
-            | Field::ExtendedId
-            | Field::ExtendedRtr => Place::Arbitration,
+            Field::Sof | Field::BaseId | Field::Rtr | Field::ExtendedId | Field::ExtendedRtr => {
+                Place::Arbitration
+            }
             Field::Ide
             | Field::Fdf
             | Field::R0
