@@ -15,6 +15,7 @@ mod node;
 mod rng;
 pub mod scenario;
 mod simulation;
+pub mod slcan;
 mod time;
 mod timing;
 pub mod traffic;

@@ -19,7 +19,7 @@ pub enum TimingError {
     },
     /// No prescaler and number of quanta give the bit rate.
     #[error(
-        "a clock of {clock_hz} Hz cannot make {bitrate} bit/s with 4 to 385 quanta per bit \
+        "a clock of {clock_hz} Hz cannot make {bitrate} bit/s with 4 to 200 quanta per bit \
          and less than 0.5 % error"
     )]
     Unreachable {
@@ -87,7 +87,7 @@ impl BitTiming {
     pub fn find(clock_hz: u64, bitrate: u32, sample_point: Permille) -> Result<Self, TimingError> {
         let unreachable = TimingError::Unreachable { clock_hz, bitrate };
         let mut best: Option<((u64, u64), u32, u32)> = None;
-        for quanta in 4..=80_u32 {
+        for quanta in 4..=200_u32 {
             let per_prescaler = u64::from(bitrate) * u64::from(quanta);
             let prescaler = ((clock_hz + per_prescaler / 2) / per_prescaler).clamp(1, 1024);
             // Error in ppb; anything that is no better than 10 ppb counts as the same.

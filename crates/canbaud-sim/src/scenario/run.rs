@@ -6,7 +6,7 @@ use super::model::DisturbanceKind;
 use super::stats::Statistics;
 use crate::clock::ClockError;
 use crate::device::{Device, Program};
-use crate::event::Observer;
+use crate::event::{Event, NodeId, Observer};
 use crate::node::{FaultConfinement, Mode, NodeConfig};
 use crate::rng::Rng;
 use crate::simulation::Simulation;
@@ -65,6 +65,9 @@ pub struct Run {
     devices: Vec<Device>,
     glitches: Vec<Glitches>,
     statistics: Statistics,
+    /// News of these nodes are kept for the caller.
+    held: Vec<NodeId>,
+    news: Vec<(Time, NodeId, Event)>,
 }
 
 fn bitrate(config: &NodeConfig, timing: &BitTiming) -> u32 {
@@ -83,6 +86,8 @@ impl Run {
             sources: Vec::new(),
             devices: Vec::new(),
             glitches: Vec::new(),
+            held: Vec::new(),
+            news: Vec::new(),
             statistics: Statistics::new(&scenario.node_names(), seed),
             scenario: scenario.clone(),
         };
@@ -205,6 +210,17 @@ impl Run {
         &self.statistics
     }
 
+    /// Keeps what happens in `node` for [`Run::take_held_news`].
+    pub fn hold_news(&mut self, node: NodeId) {
+        self.sim.watch(node);
+        self.held.push(node);
+    }
+
+    /// What happened in nodes whose news are held, since the last call.
+    pub fn take_held_news(&mut self) -> Vec<(Time, NodeId, Event)> {
+        core::mem::take(&mut self.news)
+    }
+
     fn next(&self) -> Time {
         let sources = self.sources.iter().map(Source::next);
         let glitches = self.glitches.iter().map(|glitches| glitches.next);
@@ -246,12 +262,15 @@ impl Run {
             for device in self.devices.iter_mut().filter(|device| device.node() == node) {
                 device.notice(at, &event, &mut self.sim);
             }
-            if matches!(event, crate::event::Event::Transmitted { .. }) {
+            if matches!(event, Event::Transmitted { .. }) {
                 let mut sources =
                     self.sources.iter_mut().filter(|s| s.node() == node && s.saturates());
                 if let Some(frame) = sources.find_map(|source| source.refill(at)) {
                     self.sim.send_at(at, node, frame);
                 }
+            }
+            if self.held.contains(&node) {
+                self.news.push((at, node, event));
             }
         }
     }
