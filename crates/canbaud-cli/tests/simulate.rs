@@ -170,9 +170,9 @@ fn busy(rate: &str) -> String {
         "title = 'busy'\nduration = '300ms'\nseed = 5\n".to_owned(),
         node("a", 300),
         node("b", -300),
-        traffic("a", "4ms", "id = 0x123\ndlc = 8"),
-        traffic("b", "5ms", "id = 0x18DAF110\nextended = true\ndlc = 7"),
-        traffic("b", "9ms", "id = 0x555\ndlc = 5\npayload = 'worst-stuffing'"),
+        traffic("a", "4ms", "id = 0x123\ndlc = 8\nstop = '280ms'"),
+        traffic("b", "5ms", "id = 0x18DAF110\nextended = true\ndlc = 7\nstop = '280ms'"),
+        traffic("b", "9ms", "id = 0x555\ndlc = 5\npayload = 'worst-stuffing'\nstop = '280ms'"),
     ]
     .concat()
 }

@@ -6,6 +6,8 @@
 //! In: nodes, requests, disturbances. Out: events, edges, samples. Never: `canbaud::detect`.
 #![forbid(unsafe_code)]
 
+pub mod around;
+pub mod benchmark;
 mod bus;
 pub mod check;
 mod clock;

@@ -42,7 +42,10 @@ impl Bus {
     }
 
     fn output(&mut self) -> String {
-        String::from_utf8(self.adapter.take_output()).unwrap().replace('\r', ";").replace('\x07', "!")
+        String::from_utf8(self.adapter.take_output())
+            .unwrap()
+            .replace('\r', ";")
+            .replace('\x07', "!")
     }
 
     fn run_ms(&mut self, ms: u64) -> String {

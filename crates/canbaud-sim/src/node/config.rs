@@ -1,7 +1,7 @@
 //! How a node is set up.
 
 use canbaud::units::Permille;
-use canbaud::wire::FdCrc;
+use canbaud::wire::{FdCrc, Level};
 
 use crate::bus::Transceiver;
 use crate::clock::{Clock, ClockError};
@@ -87,6 +87,28 @@ pub enum Gate {
     /// "Listen-Only" pin low: the transceiver's TXD is recessive, RXD is dominant when the bus or
     /// the controller's own TXD is.
     Closed,
+}
+
+impl Gate {
+    /// What the transceiver is given when the controller drives `txd`.
+    #[must_use]
+    pub const fn transceiver_txd(self, txd: Level) -> Level {
+        match self {
+            Self::Absent | Self::Open => txd,
+            Self::Closed => Level::Recessive,
+        }
+    }
+
+    /// What the controller reads when it drives `txd` and the transceiver says `rxd`
+    /// [Koppe, table 3].
+    #[must_use]
+    pub const fn controller_rxd(self, txd: Level, rxd: Level) -> Level {
+        match (self, txd, rxd) {
+            (Self::Absent, _, rxd) => rxd,
+            (Self::Open | Self::Closed, Level::Recessive, Level::Recessive) => Level::Recessive,
+            (Self::Open | Self::Closed, ..) => Level::Dominant,
+        }
+    }
 }
 
 /// Whether the node hangs on the bus.
@@ -224,14 +246,17 @@ impl NodeConfig {
     pub const fn can_drive(&self) -> bool {
         matches!(self.mode, Mode::Normal | Mode::Restricted)
             && matches!(self.wire, Wire::Connected)
-            && !matches!(self.gate, Gate::Closed)
+            && matches!(self.gate.transceiver_txd(Level::Dominant), Level::Dominant)
     }
 
-    /// Whether the controller hears its own TXD beside the bus.
+    /// What the controller reads when it drives `txd` and the bus says `rxd`.
     #[must_use]
-    pub const fn hears_itself(&self) -> bool {
-        matches!(self.mode, Mode::BusMonitoring | Mode::Loopback)
-            || matches!(self.gate, Gate::Open | Gate::Closed)
+    pub const fn controller_rxd(&self, txd: Level, rxd: Level) -> Level {
+        match (self.mode, txd) {
+            // Rerouted inside the controller.
+            (Mode::BusMonitoring | Mode::Loopback, Level::Dominant) => Level::Dominant,
+            _ => self.gate.controller_rxd(txd, rxd),
+        }
     }
 
     /// Whether the controller hears the bus.

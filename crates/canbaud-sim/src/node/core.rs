@@ -326,14 +326,12 @@ impl Node {
     }
 
     fn take_sample(&mut self, now: Time, log: &EdgeLog) -> Step {
-        let mut level = match self.forced_rxd {
+        let rxd = match self.forced_rxd {
             Some(forced) => forced,
             None if self.config.hears_bus() => self.rxd.level_at(log, now),
             None => Level::Recessive,
         };
-        if self.txd == Level::Dominant && self.config.hears_itself() {
-            level = Level::Dominant;
-        }
+        let level = self.config.controller_rxd(self.txd, rxd);
         let late_error = self.secondary.as_mut().map(|s| s.finds_error(log, now));
         let driven = self.txd;
         self.protocol.sample(level, late_error);

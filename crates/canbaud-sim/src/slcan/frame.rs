@@ -85,7 +85,8 @@ mod tests {
 
     #[test]
     fn nonsense_is_refused() {
-        for line in ["t8000", "t12", "t1239", "t1231", "t1231A", "t1231AAB", "T200000000", "t+120"] {
+        for line in ["t8000", "t12", "t1239", "t1231", "t1231A", "t1231AAB", "T200000000", "t+120"]
+        {
             assert!(parse(line).is_none(), "{line}");
         }
     }
