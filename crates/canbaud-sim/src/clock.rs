@@ -97,7 +97,7 @@ impl Clock {
         let num = self.num * u128::from(prescaler);
         let den = u128::from(self.den);
         let (whole, fraction) = ((num / den) as u64, (num % den) as u64);
-        let fast_max = if fraction == 0 { u64::MAX } else { (u64::MAX - self.den) / fraction };
+        let fast_max = (u64::MAX - self.den).checked_div(fraction).unwrap_or(u64::MAX);
         let per_fs = self.den as f64 / num as f64;
         Quantum { whole, fraction, fast_max: fast_max.min(1 << 20), per_fs }
     }

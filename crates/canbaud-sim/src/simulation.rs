@@ -305,7 +305,7 @@ impl Simulation {
         observer.bus(at, to);
         if to == Level::Dominant {
             for (node, next) in self.nodes.iter_mut().zip(&mut self.next) {
-                node.notice_edge(&self.line.log);
+                node.notice_edge(at, &self.line.log);
                 *next = node.next();
             }
         }

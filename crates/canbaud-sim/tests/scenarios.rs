@@ -67,7 +67,7 @@ fn mistakes_are_named_with_file_line_and_allowed_values() {
         (format!("{node}bitrate = '3M'\nclock = '16M'\n"), 3, "cannot make 3000000 bit/s"),
         (format!("{node}bitrate = '500k'\nsjw = 9\n"), 3, "sjw is 9, allowed are 1 to 2"),
         (format!("{node}bitrate = '500k'\nclock = '10'\n"), 3, "1 kHz to 1 GHz"),
-        (format!("{node}"), 3, "needs bitrate or timing"),
+        (node.to_owned(), 3, "needs bitrate or timing"),
         (format!("{node}bitrate = '500k'\n{node}bitrate = '1M'\n"), 6, "two nodes \"a\""),
         (
             format!("{node}bitrate = '500k'\n[[traffic]]\nnode = 'b'\nkind = 'single'\n"),

@@ -48,7 +48,7 @@ impl Transceiver {
 
     /// When a change of TXD at `at` reaches the star point.
     #[inline]
-    pub(crate) fn to_star(&self, at: Time, to: Level) -> Time {
+    pub(crate) fn to_star(self, at: Time, to: Level) -> Time {
         let delay = match to {
             Level::Dominant => self.tx_dominant,
             Level::Recessive => self.tx_recessive,
@@ -58,7 +58,7 @@ impl Transceiver {
 
     /// When an edge at the star point reaches RXD; `lot` decides on the jitter.
     #[inline]
-    pub(crate) fn to_rxd(&self, at: Time, to: Level, lot: u64) -> Time {
+    pub(crate) fn to_rxd(self, at: Time, to: Level, lot: u64) -> Time {
         let delay = match to {
             Level::Dominant => self.rx_dominant,
             Level::Recessive => self.rx_recessive,

@@ -167,6 +167,13 @@ impl BitTime {
         Some(self.clock.after(self.sample, &segments.quantum, quanta).time())
     }
 
+    /// The sample point after the next `bits` ones, if no edge comes.
+    #[inline]
+    pub(crate) fn sample_after(&self, bits: u32) -> Time {
+        let segments = self.segments();
+        self.clock.after(self.sample, &segments.quantum, u64::from(bits) * segments.total()).time()
+    }
+
     #[inline]
     fn place_sample(&mut self) {
         self.sample = self.tick(self.to_sample);

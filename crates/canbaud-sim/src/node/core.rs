@@ -5,7 +5,7 @@ use canbaud::wire::{Frame, Level};
 use super::bit_time::{BitTime, Rate, SyncOutcome};
 use super::config::{NodeConfig, Tdc};
 use super::fault::FaultConfinement;
-use super::protocol::{Protocol, Setup};
+use super::protocol::{Protocol, Quiet, Setup};
 use super::sampling::{Rxd, SecondarySampling};
 use crate::bus::{EdgeLog, Line};
 use crate::clock::{Clock, ClockError};
@@ -78,6 +78,8 @@ pub struct Node {
     corners: SyncCorners,
     /// Whether bits that nothing can come of may be read late, many at a time.
     late_reading: bool,
+    /// Whether edges matter before `next`.
+    heeds_edges: bool,
     /// The node's next event.
     due: Time,
     /// When it has to be looked at: at `due`, or later if that is all the same.
@@ -115,6 +117,7 @@ impl Node {
             loop_delay: Span::ZERO,
             corners: SyncCorners::default(),
             late_reading: false,
+            heeds_edges: true,
             due: Time::NEVER,
             next: Time::NEVER,
         };
@@ -186,13 +189,23 @@ impl Node {
     fn schedule(&mut self) {
         self.note_due();
         self.next = self.due;
-        if self.late_reading && self.change_at == Time::NEVER {
-            let quiet = self.protocol.quiet_bits();
-            if quiet > 0
-                && self.forced_rxd.is_none()
-                && let Some(later) = self.bit.before_sample(quiet)
-            {
-                self.next = self.next.max(later);
+        self.heeds_edges = true;
+        if !self.late_reading || self.change_at != Time::NEVER || self.forced_rxd.is_some() {
+            return;
+        }
+        match self.protocol.quiet() {
+            Quiet::Anyway(0) | Quiet::WhileRecessive(0) => {}
+            Quiet::Anyway(bits) => {
+                if let Some(later) = self.bit.before_sample(bits).filter(|at| *at > self.due) {
+                    self.next = later;
+                    self.heeds_edges = false;
+                }
+            }
+            Quiet::WhileRecessive(bits) => {
+                // The last sample was recessive, and no edge is on its way.
+                if !self.synchronised && self.edge_at == Time::NEVER && self.config.hears_bus() {
+                    self.next = self.bit.sample_after(bits);
+                }
             }
         }
     }
@@ -219,8 +232,12 @@ impl Node {
 
     /// An edge to dominant is on its way from the star point.
     #[inline]
-    pub(crate) fn notice_edge(&mut self, log: &EdgeLog) {
-        if self.synchronised || self.edge_at != Time::NEVER || self.next > self.due {
+    pub(crate) fn notice_edge(&mut self, now: Time, log: &EdgeLog) {
+        if !self.heeds_edges || self.synchronised || self.edge_at != Time::NEVER {
+            return;
+        }
+        self.catch_up(now, log);
+        if self.edge_at != Time::NEVER {
             return;
         }
         self.look_for_edge(log);
@@ -275,9 +292,13 @@ impl Node {
     #[inline]
     pub(crate) fn step(&mut self, now: Time, log: &EdgeLog) -> Step {
         if self.due < now {
-            self.read_late(now, log);
-            Step::Quiet
-        } else if self.edge_at <= now {
+            // The bit that is due now may be more than a quiet one.
+            self.read_late(now - Span::from_fs(1), log);
+            if self.next > now {
+                return Step::Quiet;
+            }
+        }
+        if self.edge_at <= now {
             self.take_edge(now, log);
             Step::Quiet
         } else if self.change_at <= now {

@@ -347,7 +347,7 @@ fn id(raw: u32, extended: bool) -> Outcome<Id> {
 fn hex(text: &str) -> Outcome<Vec<u8>> {
     let digits = text.replace([' ', '_', '.'], "");
     let bad = || format!("\"{text}\" is no data: write pairs of hexadecimal digits");
-    if !digits.is_ascii() || digits.len() % 2 != 0 {
+    if !digits.is_ascii() || !digits.len().is_multiple_of(2) {
         return Err(bad());
     }
     (0..digits.len() / 2)

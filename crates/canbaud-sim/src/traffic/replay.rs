@@ -85,7 +85,7 @@ fn hex(text: &str) -> Result<Vec<u8>, &'static str> {
         .filter(|c| *c != '.')
         .map(|c| c.to_digit(16).ok_or("data is not hexadecimal"))
         .collect::<Result<_, _>>()?;
-    if digits.len() % 2 != 0 {
+    if !digits.len().is_multiple_of(2) {
         return Err("data has an odd number of digits");
     }
     Ok(digits.chunks(2).map(|pair| (pair[0] * 16 + pair[1]) as u8).collect())

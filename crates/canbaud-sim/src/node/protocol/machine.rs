@@ -73,6 +73,15 @@ pub(super) enum State {
     },
 }
 
+/// Bits of which nothing can come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Quiet {
+    /// So many, whatever their levels.
+    Anyway(u32),
+    /// So many, as long as no edge to dominant comes.
+    WhileRecessive(u32),
+}
+
 /// The settings that protocol control needs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Setup {
@@ -161,21 +170,39 @@ impl Protocol {
         self.rate
     }
 
-    /// How many bits a receiver may read late, because nothing can come of them: no flag, no event.
+    /// How many bits may be read late, because nothing can come of them: no flag, no event.
     #[inline]
-    pub(crate) fn quiet_bits(&self) -> u32 {
-        if matches!(self.state, State::Frame) && self.sending.is_none() {
-            self.reader.quiet_bits()
-        } else {
-            0
+    pub(crate) fn quiet(&self) -> Quiet {
+        match self.state {
+            State::Frame if self.sending.is_none() => Quiet::Anyway(self.reader.quiet_bits()),
+            // EOF of a receiver has an event at bit 6, that of the transmitter one at bit 7.
+            State::EndOfFrame { bit: bit @ ..=5 } if self.sending.is_none() => {
+                Quiet::WhileRecessive(6 - u32::from(bit))
+            }
+            State::EndOfFrame { bit: 7 } if self.sending.is_none() => Quiet::WhileRecessive(3),
+            State::EndOfFrame { bit } if self.sending.is_some() => {
+                Quiet::WhileRecessive(7 - u32::from(bit))
+            }
+            State::Intermission { bit } => Quiet::WhileRecessive(3 - u32::from(bit)),
+            State::Delimiter { recessive } => Quiet::WhileRecessive(10 - u32::from(recessive)),
+            State::Suspend { bit } => Quiet::WhileRecessive(8 - u32::from(bit)),
+            State::Integrating { recessive } | State::BusOff { recessive, .. } => {
+                Quiet::WhileRecessive(10 - u32::from(recessive))
+            }
+            _ => Quiet::Anyway(0),
         }
     }
 
-    /// Takes one of the bits that [`Protocol::quiet_bits`] promised.
+    /// Takes one of the bits that [`Protocol::quiet`] promised.
     #[inline]
     pub(crate) fn read_quiet(&mut self, level: Level) {
-        let step = self.reader.push(level);
-        debug_assert_eq!(step, super::reader::Step::Continue);
+        if matches!(self.state, State::Frame) {
+            let step = self.reader.push(level);
+            debug_assert_eq!(step, super::reader::Step::Continue);
+        } else {
+            self.sample(level, None);
+            debug_assert!(self.events.is_empty() && self.drive == Level::Recessive);
+        }
     }
 
     /// Whether nothing happens without an edge or a request.

@@ -7,4 +7,4 @@ mod machine;
 mod reader;
 mod transmit;
 
-pub(crate) use machine::{Protocol, Setup};
+pub(crate) use machine::{Protocol, Quiet, Setup};
