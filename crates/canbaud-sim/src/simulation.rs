@@ -53,6 +53,7 @@ pub struct Simulation {
     entries: u64,
     news: Vec<(Time, NodeId, Event)>,
     steps: u64,
+    late_reading: bool,
 }
 
 impl Simulation {
@@ -71,6 +72,7 @@ impl Simulation {
             entries: 0,
             news: Vec::new(),
             steps: 0,
+            late_reading: false,
         }
     }
 
@@ -211,17 +213,25 @@ impl Simulation {
 
     /// Runs until `until`, or until a watched node has news.
     pub fn run<O: Observer>(&mut self, until: Time, observer: &mut O) -> Stop {
-        for node in &mut self.nodes {
-            // Whoever wants samples wants them in time.
-            node.set_late_reading(!O::SAMPLES);
-        }
-        self.refresh_all();
+        // Whoever wants samples wants them in time.
+        self.late_reading = !O::SAMPLES;
+        self.allow_late_reading();
         let stop = self.run_on(until, observer);
         for node in &mut self.nodes {
             node.catch_up(self.now, &self.line.log);
         }
         self.refresh_all();
         stop
+    }
+
+    /// On a shorted line a transmitter has to look at each of its bits.
+    fn allow_late_reading(&mut self) {
+        let allowed = self.late_reading && !self.line.is_shorted();
+        for node in &mut self.nodes {
+            node.catch_up(self.now, &self.line.log);
+            node.set_late_reading(allowed, &self.line.log);
+        }
+        self.refresh_all();
     }
 
     fn refresh_all(&mut self) {

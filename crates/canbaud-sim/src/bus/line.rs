@@ -97,6 +97,10 @@ impl Line {
         self.settle(now)
     }
 
+    pub(crate) const fn is_shorted(&self) -> bool {
+        self.shorted > 0
+    }
+
     fn settle(&mut self, at: Time) -> Option<Edge> {
         let level =
             if self.shorted == 0 && self.dominant > 0 { Level::Dominant } else { Level::Recessive };

@@ -72,6 +72,10 @@ pub struct Node {
     edge_at: Time,
     /// An edge has synchronised since the last sample point, or none may.
     synchronised: bool,
+    /// The last sample.
+    last_level: Level,
+    /// No edge was on its way to RXD then.
+    rxd_is_settled: bool,
     forced_rxd: Option<Level>,
     secondary: Option<SecondarySampling>,
     loop_delay: Span,
@@ -112,6 +116,8 @@ impl Node {
             change_at: Time::NEVER,
             edge_at: Time::NEVER,
             synchronised: false,
+            last_level: Level::Recessive,
+            rxd_is_settled: false,
             forced_rxd: None,
             secondary: None,
             loop_delay: Span::ZERO,
@@ -194,7 +200,7 @@ impl Node {
             return;
         }
         match self.protocol.quiet() {
-            Quiet::Anyway(0) | Quiet::WhileRecessive(0) => {}
+            Quiet::Anyway(0) | Quiet::WhileRecessive(0) | Quiet::WhileDominant(0) => {}
             Quiet::Anyway(bits) => {
                 if let Some(later) = self.bit.before_sample(bits).filter(|at| *at > self.due) {
                     self.next = later;
@@ -205,6 +211,14 @@ impl Node {
                 // The last sample was recessive, and no edge is on its way.
                 if !self.synchronised && self.edge_at == Time::NEVER && self.config.hears_bus() {
                     self.next = self.bit.sample_after(bits);
+                }
+            }
+            Quiet::WhileDominant(bits) => {
+                // The last sample was dominant, and so is the line as long as nobody shorts it.
+                let dominant = self.last_level == Level::Dominant && self.rxd_is_settled;
+                if dominant && self.config.can_drive() {
+                    self.next = self.bit.sample_after(bits);
+                    self.heeds_edges = false;
                 }
             }
         }
@@ -223,9 +237,10 @@ impl Node {
     }
 
     /// Allows or forbids late reading; the node has to be up to date.
-    pub(crate) fn set_late_reading(&mut self, allowed: bool) {
+    pub(crate) fn set_late_reading(&mut self, allowed: bool, log: &EdgeLog) {
         if self.late_reading != allowed {
             self.late_reading = allowed;
+            self.rxd_is_settled = self.rxd.is_settled(log);
             self.schedule();
         }
     }
@@ -237,12 +252,32 @@ impl Node {
             return;
         }
         self.catch_up(now, log);
-        if self.edge_at != Time::NEVER {
+        if self.edge_at != Time::NEVER || self.is_own_edge(now) {
             return;
         }
         self.look_for_edge(log);
         self.due = self.due.min(self.edge_at);
         self.next = self.due;
+    }
+
+    /// Whether the edge to dominant that leaves the star point now comes in during a dominant bit
+    /// of a transmitter: it does nothing, whoever made it.
+    #[inline]
+    fn is_own_edge(&mut self, now: Time) -> bool {
+        let sends = self.late_reading
+            && self.txd == Level::Dominant
+            && self.change_at == Time::NEVER
+            && self.config.tdc == Tdc::Off
+            && self.protocol.is_transmitting();
+        let latest = self.config.transceiver.to_rxd(now, Level::Dominant, 0)
+            + self.config.transceiver.jitter
+            + self.config.transceiver.jitter;
+        if sends && latest < self.bit.sample() {
+            self.synchronised = true;
+            self.corners.ignored += 1;
+            return true;
+        }
+        false
     }
 
     /// Reads what has come in up to `now` and was not looked at.
@@ -275,10 +310,15 @@ impl Node {
             let level = self.rxd.level_at(log, sample);
             self.protocol.read_quiet(level);
             self.bit.advance(self.bit.rate());
+            self.last_level = level;
             self.synchronised = level == Level::Dominant;
             edge = if self.synchronised { Time::NEVER } else { self.rxd.next_dominant(log) };
         }
         self.edge_at = edge;
+        self.rxd_is_settled = self.rxd.is_settled(log);
+        if self.protocol.drive() != self.txd {
+            self.change_at = self.bit.start();
+        }
         self.schedule();
     }
 
@@ -361,6 +401,8 @@ impl Node {
         if self.protocol.drive() != self.txd {
             self.change_at = self.bit.start();
         }
+        self.last_level = level;
+        self.rxd_is_settled = self.rxd.is_settled(log);
         self.synchronised = level == Level::Dominant;
         self.edge_at = Time::NEVER;
         if !self.synchronised {

@@ -49,6 +49,13 @@ impl Rxd {
         self.level
     }
 
+    /// Whether every edge that has left the star point has come in by the last
+    /// [`Rxd::level_at`].
+    #[inline]
+    pub(crate) const fn is_settled(&self, log: &EdgeLog) -> bool {
+        self.cursor == log.head()
+    }
+
     /// When the next recessive to dominant edge after the last [`Rxd::level_at`] comes in, of
     /// those that have left the star point. A pulse that the asymmetry eats up does not count.
     #[inline]

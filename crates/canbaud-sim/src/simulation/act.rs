@@ -76,11 +76,15 @@ impl Simulation {
             }
             Act::Short => {
                 observer.disturbed(now, Disturbance::Shorted);
-                self.line.short(now)
+                let edge = self.line.short(now);
+                self.allow_late_reading();
+                edge
             }
             Act::Unshort => {
                 observer.disturbed(now, Disturbance::Unshorted);
-                self.line.unshort(now)
+                let edge = self.line.unshort(now);
+                self.allow_late_reading();
+                edge
             }
             Act::ForceRxd { node, level } => {
                 observer.disturbed(now, Disturbance::ForcedRxd(node, level));

@@ -80,6 +80,8 @@ pub(crate) enum Quiet {
     Anyway(u32),
     /// So many, as long as no edge to dominant comes.
     WhileRecessive(u32),
+    /// So many, as long as the node's own dominant level holds the line.
+    WhileDominant(u32),
 }
 
 /// The settings that protocol control needs.
@@ -174,7 +176,10 @@ impl Protocol {
     #[inline]
     pub(crate) fn quiet(&self) -> Quiet {
         match self.state {
-            State::Frame if self.sending.is_none() => Quiet::Anyway(self.reader.quiet_bits()),
+            State::Frame => match &self.sending {
+                None => Quiet::Anyway(self.reader.quiet_bits()),
+                Some(sending) => self.quiet_sending(sending),
+            },
             // EOF of a receiver has an event at bit 6, that of the transmitter one at bit 7.
             State::EndOfFrame { bit: bit @ ..=5 } if self.sending.is_none() => {
                 Quiet::WhileRecessive(6 - u32::from(bit))
@@ -193,12 +198,29 @@ impl Protocol {
         }
     }
 
+    /// Past the arbitration, bits of the level that is driven already.
+    #[inline]
+    fn quiet_sending(&self, sending: &Sending) -> Quiet {
+        if self.rate == Rate::Data || self.reader.place() == Place::Arbitration {
+            return Quiet::Anyway(0);
+        }
+        let bits = sending.same_level_ahead().min(self.reader.quiet_bits());
+        match sending.level() {
+            Level::Recessive => Quiet::WhileRecessive(bits),
+            Level::Dominant => Quiet::WhileDominant(bits),
+        }
+    }
+
     /// Takes one of the bits that [`Protocol::quiet`] promised.
     #[inline]
     pub(crate) fn read_quiet(&mut self, level: Level) {
         if matches!(self.state, State::Frame) {
             let step = self.reader.push(level);
             debug_assert_eq!(step, super::reader::Step::Continue);
+            if let Some(sending) = &mut self.sending {
+                debug_assert_eq!(sending.level(), level);
+                self.drive = sending.advance();
+            }
         } else {
             self.sample(level, None);
             debug_assert!(self.events.is_empty() && self.drive == Level::Recessive);

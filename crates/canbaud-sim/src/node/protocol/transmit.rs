@@ -28,6 +28,22 @@ impl Sending {
         self.level()
     }
 
+    /// How many bits after the present one have its level.
+    #[inline]
+    pub(super) fn same_level_ahead(&self) -> u32 {
+        // Up to six bits: stuffing allows no longer run, and longer ones may as well be split.
+        let ahead = self.encoded.bits.bits(self.index, 7) ^ self.flip();
+        (ahead << 25).leading_zeros().saturating_sub(1).min(6)
+    }
+
+    /// All ones if the present bit is recessive.
+    fn flip(&self) -> u32 {
+        match self.level() {
+            Level::Recessive => 0x7F,
+            Level::Dominant => 0,
+        }
+    }
+
     pub(super) const fn index(&self) -> u32 {
         self.index as u32
     }
