@@ -128,7 +128,7 @@ fn candump_log_has_every_frame_and_can_be_replayed() {
 
 /// Identifier and data of each frame as sigrok's CAN decoder prints them.
 fn sigrok(file: &Path, format: &str, channel: &str, nominal: u32) -> Option<Vec<(u32, Vec<u8>)>> {
-    let decoder = format!("can:can_rx={channel}:nominal_bitrate={nominal}");
+    let decoder = format!("can:can_rx={channel}:nominal_bitrate={nominal}:fast_bitrate=2000000");
     let output = Command::new("sigrok-cli")
         .args(["-I", format, "-i"])
         .arg(file)
@@ -204,6 +204,32 @@ fn sigrok_reads_every_frame_of_a_session() {
         let Some(read) = sigrok(&sr, "srzip", "CAN", nominal) else { return };
         assert_eq!(read, sent, "{rate}");
     }
+}
+
+#[test]
+fn sigrok_reads_can_fd_frames_with_gaps() {
+    let body = "title = 'fd'\nduration = '60ms'\nseed = 5\n\
+        [[node]]\nname = 'a'\nbitrate = '1M'\ndata_bitrate = '2M'\nsample_point = 75\n\
+        [[node]]\nname = 'b'\nbitrate = '1M'\ndata_bitrate = '2M'\nsample_point = 75\n\
+        [[traffic]]\nnode = 'a'\nkind = 'periodic'\nperiod = '4ms'\nstop = '57ms'\n\
+        id = 0x123\nformat = 'fd-brs'\ndlc = 8\n\
+        [[traffic]]\nnode = 'b'\nkind = 'periodic'\nperiod = '4ms'\nstart = '2ms'\nstop = '57ms'\n\
+        id = 0x321\nformat = 'fd'\ndlc = 12\n";
+    let (directory, path) = written(body);
+    let (sr, log) = (directory.path().join("bus.sr"), directory.path().join("bus.log"));
+    let status = canbaud()
+        .args(["simulate", "-q", "--samplerate", "40M", "--sr"])
+        .arg(&sr)
+        .arg("--candump")
+        .args([&log, &path])
+        .status();
+    assert!(status.unwrap().success());
+    let lines = std::fs::read_to_string(&log).unwrap().replace("##1", "#").replace("##0", "#");
+    std::fs::write(&log, lines).unwrap();
+    let sent = logged(&log);
+    assert_eq!(sent.len(), 29);
+    let Some(read) = sigrok(&sr, "srzip", "CAN", 1_000_000) else { return };
+    assert_eq!(read, sent);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Every scenario of the library runs under all checkers and meets its expectations.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use canbaud_sim::check::Checker;
@@ -99,5 +100,46 @@ fn mistakes_are_named_with_file_line_and_allowed_values() {
         let error = complaint(&format!("{HEAD}{body}"));
         assert!(error.starts_with(&format!("bad.toml:{line}: ")), "{error}");
         assert!(error.contains(part), "{error}");
+    }
+}
+
+/// The keys that a table allows, as the reader itself says when it meets one that it does not know.
+fn allowed_keys(before: &str) -> BTreeSet<String> {
+    let error = complaint(&format!("{HEAD}{before}"));
+    let list = error.split_once("expected one of ").expect(&error).1;
+    list.split(", ").map(|key| key.trim().trim_matches('`').to_owned()).collect()
+}
+
+#[test]
+fn schema_and_documentation_have_every_key_and_no_other() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let schema = std::fs::read_to_string(root.join("schemas/scenario.schema.json")).unwrap();
+    let schema: serde_json::Value = serde_json::from_str(&schema).unwrap();
+    let documentation = std::fs::read_to_string(root.join("docs/scenarios.md")).unwrap();
+    let keys = |table: &serde_json::Value| -> BTreeSet<String> {
+        table["properties"].as_object().unwrap().keys().cloned().collect()
+    };
+    let node = &schema["$defs"]["node"];
+    let a = "[[node]]\nname = 'a'\n";
+    for (table, text) in [
+        (&schema, "zzz = 1\n".to_owned()),
+        (node, format!("{a}zzz = 1\n")),
+        (&schema["$defs"]["timing"], format!("{a}timing = {{ zzz = 1 }}\n")),
+        (&node["properties"]["delay"], format!("{a}delay = {{ zzz = 1 }}\n")),
+        (&node["properties"]["autobaud"], format!("{a}autobaud = {{ zzz = 1 }}\n")),
+        (&schema["$defs"]["traffic"], format!("{a}[[traffic]]\nzzz = 1\n")),
+        (&schema["$defs"]["disturbance"], format!("{a}[[disturbance]]\nzzz = 1\n")),
+        (&schema["$defs"]["change"], format!("{a}[[change]]\nzzz = 1\n")),
+        (&schema["$defs"]["expect"], format!("{a}[[expect]]\nzzz = 1\n")),
+    ] {
+        let allowed = allowed_keys(&text);
+        assert_eq!(keys(table), allowed, "{text}");
+        for key in &allowed {
+            let named = documentation.contains(&format!("`{key}`"))
+                || documentation.contains(&format!("[[{key}]]"))
+                || documentation.contains(&format!("{key},"))
+                || documentation.contains(&format!("{key} "));
+            assert!(named, "docs/scenarios.md does not name {key}");
+        }
     }
 }

@@ -274,3 +274,48 @@ fn reading_late_changes_nothing() {
         assert_eq!((exact.edges, exact.txd), (late.edges, late.txd), "seed {seed}");
     }
 }
+
+/// All clocks alike and no delay: everything happens in the same femtosecond.
+#[test]
+fn reading_late_changes_nothing_where_all_events_coincide() {
+    use canbaud_sim::{Blind, Observer, Simulation, Transceiver};
+    fn run<O: Observer>(seed: u64, slice: Span, other: &mut O) -> common::Journal {
+        let mut sim = Simulation::new(seed);
+        let ids: Vec<_> = (0..4)
+            .map(|_| {
+                let transceiver = Transceiver::symmetrical(Span::from_ns(250 * (seed % 3)));
+                sim.add_node(NodeConfig { transceiver, ..node("n") }).unwrap()
+            })
+            .collect();
+        let mut rng = Rng::new(seed);
+        for n in 0..40 {
+            let at = Time::ZERO + Span::from_us(2 * rng.below(4_000));
+            sim.send_at(at, ids[n % 4], any_frame(&mut rng, false));
+            // On sample points, and on bit boundaries.
+            let at = Time::ZERO + Span::from_ns(250 * rng.below(40_000));
+            match rng.below(4) {
+                0 => sim.recessive_at(at, Span::from_us(2)),
+                1 => sim.dominant_at(at, Span::from_us(2)),
+                _ => {}
+            }
+        }
+        let mut journal = common::Journal::default();
+        while sim.now() < Time::ZERO + Span::from_ms(12) {
+            sim.run(sim.now() + slice, &mut (&mut *other, &mut journal));
+        }
+        journal
+    }
+    struct Samples;
+    impl Observer for Samples {
+        const SAMPLES: bool = true;
+    }
+    for seed in 0..60 {
+        for slice in [Span::from_us(500), Span::from_ns(1_750)] {
+            let exact = run(seed, slice, &mut Samples);
+            let late = run(seed, slice, &mut Blind);
+            assert!(exact.edges.len() > 500, "seed {seed}");
+            assert_eq!(exact.events, late.events, "seed {seed}");
+            assert_eq!((exact.edges, exact.txd), (late.edges, late.txd), "seed {seed}");
+        }
+    }
+}

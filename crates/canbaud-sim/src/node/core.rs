@@ -280,10 +280,11 @@ impl Node {
         false
     }
 
-    /// Reads what has come in up to `now` and was not looked at.
+    /// Reads what came in before `now` and was not looked at; a sample at `now` itself may be more
+    /// than a quiet one and stays due.
     pub(crate) fn catch_up(&mut self, now: Time, log: &EdgeLog) {
         if self.next > self.due {
-            self.read_late(now, log);
+            self.read_late(now - Span::from_fs(1), log);
         }
     }
 
@@ -332,7 +333,6 @@ impl Node {
     #[inline]
     pub(crate) fn step(&mut self, now: Time, log: &EdgeLog) -> Step {
         if self.due < now {
-            // The bit that is due now may be more than a quiet one.
             self.read_late(now - Span::from_fs(1), log);
             if self.next > now {
                 return Step::Quiet;
