@@ -24,7 +24,7 @@ pub enum Fifo {
 /// What a controller is like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ControllerSettings {
-    /// T_cc: off, new timing, on again [Koppe].
+    /// T_cc: off, new timing, on again \[Koppe\].
     pub reconfiguration: Span,
     /// Frames that the FIFO holds; further ones are lost.
     pub depth: usize,

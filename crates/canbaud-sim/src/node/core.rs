@@ -291,6 +291,7 @@ impl Node {
     /// All samples up to `now` are quiet ones: they only go into the frame that is being read.
     fn read_late(&mut self, now: Time, log: &EdgeLog) {
         let mut edge = if self.synchronised { Time::NEVER } else { self.rxd.next_dominant(log) };
+        let mut changes_at = self.rxd.next_change(log);
         loop {
             let sample = self.bit.sample();
             if edge <= sample {
@@ -303,17 +304,27 @@ impl Node {
                 } else {
                     edge = self.rxd.next_dominant(log);
                 }
+                changes_at = self.rxd.next_change(log);
                 continue;
             }
             if sample > now {
                 break;
             }
-            let level = self.rxd.level_at(log, sample);
+            if sample >= changes_at {
+                self.rxd.level_at(log, sample);
+                changes_at = self.rxd.next_change(log);
+            }
+            let level = self.rxd.level();
             self.protocol.read_quiet(level);
             self.bit.advance(self.bit.rate());
             self.last_level = level;
-            self.synchronised = level == Level::Dominant;
-            edge = if self.synchronised { Time::NEVER } else { self.rxd.next_dominant(log) };
+            if level == Level::Dominant {
+                self.synchronised = true;
+                edge = Time::NEVER;
+            } else if self.synchronised {
+                self.synchronised = false;
+                edge = self.rxd.next_dominant(log);
+            }
         }
         self.edge_at = edge;
         self.rxd_is_settled = self.rxd.is_settled(log);

@@ -49,6 +49,18 @@ impl Rxd {
         self.level
     }
 
+    /// The level that the last [`Rxd::level_at`] returned.
+    #[inline]
+    pub(crate) const fn level(&self) -> Level {
+        self.level
+    }
+
+    /// Until when [`Rxd::level_at`] returns the same level.
+    #[inline]
+    pub(crate) fn next_change(&self, log: &EdgeLog) -> Time {
+        self.arrival(log, self.cursor).map_or(Time::NEVER, |(at, _)| at)
+    }
+
     /// Whether every edge that has left the star point has come in by the last
     /// [`Rxd::level_at`].
     #[inline]
