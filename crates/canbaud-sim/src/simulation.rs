@@ -242,10 +242,12 @@ impl Simulation {
 
     fn run_on<O: Observer>(&mut self, until: Time, observer: &mut O) -> Stop {
         loop {
-            let (mut at, mut place) = (Time::NEVER, 0);
+            let (mut at, mut place, mut second) = (Time::NEVER, 0, Time::NEVER);
             for (index, &next) in self.next.iter().enumerate() {
                 if next < at {
-                    (at, place) = (next, index);
+                    (second, at, place) = (at, next, index);
+                } else {
+                    second = second.min(next);
                 }
             }
             let arrival = self.line.next();
@@ -260,15 +262,45 @@ impl Simulation {
             if entry == first {
                 self.act(observer);
             } else if arrival == first {
-                if let Some(edge) = self.line.arrive() {
-                    self.after_edge(edge.at, edge.to, observer);
-                }
+                second = second.min(self.arrive(observer));
+                self.run_alone(place, second.min(entry).min(until), observer);
             } else {
                 self.step(place, observer);
+                self.run_alone(place, second.min(entry).min(until), observer);
             }
             if !self.news.is_empty() {
                 return Stop::News;
             }
+        }
+    }
+
+    /// Goes on with one node, and with what arrives at the star point, strictly before `horizon`:
+    /// until then no other node has anything to do.
+    #[inline]
+    fn run_alone<O: Observer>(&mut self, place: usize, horizon: Time, observer: &mut O) {
+        let mut horizon = horizon;
+        while self.news.is_empty() {
+            let (next, arrival) = (self.next[place], self.line.next());
+            let first = next.min(arrival);
+            if first >= horizon {
+                return;
+            }
+            self.now = first;
+            self.steps += 1;
+            if arrival <= next {
+                horizon = horizon.min(self.arrive(observer));
+            } else {
+                self.step(place, observer);
+            }
+        }
+    }
+
+    /// Something reaches the star point. Returns when the first of the nodes that heed it has to
+    /// be looked at.
+    fn arrive<O: Observer>(&mut self, observer: &mut O) -> Time {
+        match self.line.arrive() {
+            Some(edge) => self.after_edge(edge.at, edge.to, observer),
+            None => Time::NEVER,
         }
     }
 
@@ -311,13 +343,17 @@ impl Simulation {
         }
     }
 
-    fn after_edge<O: Observer>(&mut self, at: Time, to: Level, observer: &mut O) {
+    fn after_edge<O: Observer>(&mut self, at: Time, to: Level, observer: &mut O) -> Time {
         observer.bus(at, to);
+        let mut first = Time::NEVER;
         if to == Level::Dominant {
             for (node, next) in self.nodes.iter_mut().zip(&mut self.next) {
-                node.notice_edge(at, &self.line.log);
-                *next = node.next();
+                if node.notice_edge(at, &self.line.log) {
+                    *next = node.next();
+                    first = first.min(*next);
+                }
             }
         }
+        first
     }
 }

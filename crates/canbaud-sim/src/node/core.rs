@@ -245,19 +245,20 @@ impl Node {
         }
     }
 
-    /// An edge to dominant is on its way from the star point.
+    /// An edge to dominant is on its way from the star point. True if that changes when the node
+    /// has to be looked at.
     #[inline]
-    pub(crate) fn notice_edge(&mut self, now: Time, log: &EdgeLog) {
+    pub(crate) fn notice_edge(&mut self, now: Time, log: &EdgeLog) -> bool {
         if !self.heeds_edges || self.synchronised || self.edge_at != Time::NEVER {
-            return;
+            return false;
         }
         self.catch_up(now, log);
-        if self.edge_at != Time::NEVER || self.is_own_edge(now) {
-            return;
+        if self.edge_at == Time::NEVER && !self.is_own_edge(now) {
+            self.look_for_edge(log);
+            self.due = self.due.min(self.edge_at);
+            self.next = self.due;
         }
-        self.look_for_edge(log);
-        self.due = self.due.min(self.edge_at);
-        self.next = self.due;
+        true
     }
 
     /// Whether the edge to dominant that leaves the star point now comes in during a dominant bit

@@ -105,7 +105,8 @@ impl Simulation {
             }
         };
         if let Some(edge) = edge {
-            self.after_edge(edge.at, edge.to, observer);
+            // The next turn looks at all nodes anyway.
+            let _ = self.after_edge(edge.at, edge.to, observer);
         }
     }
 

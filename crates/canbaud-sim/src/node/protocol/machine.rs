@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use canbaud::wire::{FdCrc, Frame, Level};
+use canbaud::wire::{EncodedFrame, FdCrc, Frame, Level};
 
 use super::reader::Reader;
 use super::transmit::Sending;
@@ -113,6 +113,8 @@ impl From<&NodeConfig> for Setup {
 pub(super) struct Request {
     pub(super) frame: Frame,
     pub(super) attempts: u32,
+    /// The bits of the last attempt, and of which frame they are.
+    pub(super) encoded: Option<(Frame, EncodedFrame)>,
 }
 
 /// Protocol control of one node.

@@ -60,7 +60,7 @@ impl Sending {
 impl Protocol {
     /// Adds a request. True if the node is idle and begins with SOF at its next bit.
     pub(crate) fn request(&mut self, frame: Frame) -> bool {
-        self.queue.push_back(Request { frame, attempts: 0 });
+        self.queue.push_back(Request { frame, attempts: 0, encoded: None });
         self.state == State::Idle && self.start()
     }
 
@@ -106,7 +106,12 @@ impl Protocol {
         request.attempts += 1;
         let frame = with_esi(&request.frame, passive);
         let attempt = request.attempts;
-        let encoded = encode(&frame, self.setup.fd_crc);
+        // A frame that lost arbitration comes again with the same bits.
+        let encoded = match request.encoded {
+            Some((of, encoded)) if of == frame => encoded,
+            Some(_) | None => encode(&frame, self.setup.fd_crc),
+        };
+        request.encoded = Some((frame, encoded));
         self.sending = Some(Sending { frame, encoded, index });
         self.role = Role::Transmitter;
         self.events.push(Event::TransmissionStarted { frame, attempt });
