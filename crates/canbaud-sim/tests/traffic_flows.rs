@@ -123,7 +123,7 @@ fn monitoring_node_receives_and_drives_nothing() {
     bench.finish();
 }
 
-/// What detection.md b4 expects of a single talker whom nobody acknowledges.
+/// A single talker whom nobody acknowledges: its error flags are form errors to a listener.
 #[test]
 fn lone_talker_ends_error_passive_and_a_monitor_gets_its_frames_only_then() {
     let (mut bench, ids) = Bench::new(1, vec![node("a"), node("m").with_mode(Mode::BusMonitoring)]);
