@@ -319,3 +319,19 @@ fn reading_late_changes_nothing_where_all_events_coincide() {
         }
     }
 }
+
+#[test]
+fn storm_of_glitches_within_one_bit_of_a_slow_node_is_survived() {
+    use canbaud_sim::{Blind, Simulation};
+    let mut sim = Simulation::new(1);
+    let slow = || NodeConfig::at("slow", 10_000).unwrap();
+    let ids = [sim.add_node(slow()).unwrap(), sim.add_node(slow()).unwrap()];
+    // Ten thousand edges in a tenth of a millisecond, which is one bit, and then a frame.
+    let storm = Time::ZERO + Span::from_ms(3);
+    for n in 0..5_000 {
+        sim.dominant_at(storm + Span::from_ns(20 * n), Span::from_ns(10));
+    }
+    sim.send_at(storm + Span::from_ms(5), ids[0], data(0x123, &[1, 2]));
+    sim.run(storm + Span::from_ms(30), &mut Blind);
+    assert_eq!(sim.node(ids[0]).pending(), 0);
+}

@@ -5,7 +5,7 @@ use canbaud::wire::Level;
 use crate::time::Time;
 
 /// Edges kept. The slowest node (10 kbit/s) sees some 50 edges of the fastest bus between two of
-/// its samples.
+/// its samples; of a storm of glitches that outruns even this, it sees the latest.
 const CAPACITY: usize = 4096;
 
 /// An edge at the star point.
@@ -31,6 +31,12 @@ impl EdgeLog {
     #[inline]
     pub(crate) const fn head(&self) -> u64 {
         self.head
+    }
+
+    /// The number of the oldest edge that is kept.
+    #[inline]
+    pub(crate) const fn oldest(&self) -> u64 {
+        self.head.saturating_sub(CAPACITY as u64)
     }
 
     pub(crate) fn push(&mut self, edge: Edge) {

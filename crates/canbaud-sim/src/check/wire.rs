@@ -86,6 +86,10 @@ pub(super) struct Wire {
     ears: Vec<Ear>,
     disturbing: i64,
     shorts: i64,
+    disturbed_at: Option<Time>,
+    /// When the bus changed last, and whether several drivers changed then.
+    crowded_at: Time,
+    crowded: bool,
     bus: Level,
     bits: u64,
 }
@@ -98,6 +102,9 @@ impl Wire {
             ears: configs.iter().map(|config| Ear::new(config, Level::Recessive)).collect(),
             disturbing: 0,
             shorts: 0,
+            disturbed_at: None,
+            crowded_at: Time::NEVER,
+            crowded: false,
             bus: Level::Recessive,
             bits: 0,
         }
@@ -135,11 +142,14 @@ impl Wire {
 
     pub(super) fn bus(&mut self, at: Time, level: Level, findings: &mut Findings) {
         self.settle_before(at, findings);
-        // Several drivers may change in this same femtosecond, so look at all orders: the level
-        // told must be that of the state before, or after, one of these changes.
+        // Where several drivers change in this same femtosecond, the bus may blink in between.
+        let changing = self.nodes.iter().filter(|n| n.coming.iter().any(|(t, _)| *t == at)).count();
         let want = self.wired_and(at);
-        let crowded = self.bus == want;
-        if want != level && !crowded {
+        if self.crowded_at != at {
+            self.crowded_at = at;
+            self.crowded = changing > 1 || self.disturbed_at == Some(at);
+        }
+        if want != level && !self.crowded {
             findings.add(at, None, format!("is {level:?} where all drivers make {want:?}"));
         }
         self.bus = level;
@@ -172,6 +182,7 @@ impl Wire {
         findings: &mut Findings,
     ) {
         self.settle_before(at, findings);
+        self.disturbed_at = Some(at);
         match disturbance {
             Disturbance::Driven(Level::Dominant) => self.disturbing += 1,
             Disturbance::Driven(Level::Recessive) => self.disturbing -= 1,

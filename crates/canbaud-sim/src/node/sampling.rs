@@ -38,6 +38,9 @@ impl Rxd {
     /// The level at `time`; times must not go back.
     #[inline]
     pub(crate) fn level_at(&mut self, log: &EdgeLog, time: Time) -> Level {
+        if self.cursor < log.oldest() {
+            self.skip_forgotten(log);
+        }
         while self.cursor < log.head() {
             let Some((at, to)) = self.arrival(log, self.cursor) else { break };
             if at > time {
@@ -49,6 +52,14 @@ impl Rxd {
         self.level
     }
 
+    #[cold]
+    fn skip_forgotten(&mut self, log: &EdgeLog) {
+        self.cursor = log.oldest();
+        if let Some(edge) = log.get(self.cursor) {
+            self.level = edge.to.toggled();
+        }
+    }
+
     /// The level that the last [`Rxd::level_at`] returned.
     #[inline]
     pub(crate) const fn level(&self) -> Level {
@@ -58,7 +69,7 @@ impl Rxd {
     /// Until when [`Rxd::level_at`] returns the same level.
     #[inline]
     pub(crate) fn next_change(&self, log: &EdgeLog) -> Time {
-        self.arrival(log, self.cursor).map_or(Time::NEVER, |(at, _)| at)
+        self.arrival(log, self.cursor.max(log.oldest())).map_or(Time::NEVER, |(at, _)| at)
     }
 
     /// Whether every edge that has left the star point has come in by the last
@@ -76,7 +87,7 @@ impl Rxd {
     }
 
     fn find_dominant(&self, log: &EdgeLog) -> Time {
-        let mut number = self.cursor;
+        let mut number = self.cursor.max(log.oldest());
         while number < log.head() {
             let Some((at, to)) = self.arrival(log, number) else { break };
             if to == Level::Dominant {
