@@ -8,6 +8,7 @@ use canbaud_capture::{Format, OpenOptions, Threshold};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::judge::JudgeOptions;
+use crate::run::SimulateArgs;
 use crate::run::timing::{ControllersArgs, TIMING_HELP, TimingArgs};
 
 const ABOUT: &str = "Finds the bit rate of a recorded CAN or CAN FD bus, proves it, decodes it";
@@ -94,6 +95,8 @@ pub(crate) enum Command {
     Timing(Box<TimingArgs>),
     /// What is known of each CAN controller
     Controllers(ControllersArgs),
+    /// Run a simulated bus from a scenario, to files, statistics or a virtual adapter
+    Simulate(SimulateArgs),
 }
 
 /// When to use colours.

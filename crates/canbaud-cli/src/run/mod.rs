@@ -5,8 +5,10 @@ mod detect;
 mod failure;
 mod progress;
 mod queue;
+mod simulate;
 pub(crate) mod timing;
 
 pub(crate) use decode::decode;
 pub(crate) use detect::detect;
+pub(crate) use simulate::{SimulateArgs, simulate};
 pub(crate) use timing::{controllers, timing};

@@ -1,0 +1,261 @@
+//! Bit time and synchronisation [ISO 11898-1 bit timing].
+
+use core::cmp::Ordering;
+
+use crate::clock::{Clock, Quantum, Tick};
+use crate::time::Time;
+use crate::timing::BitTiming;
+
+/// Which of the two bit rates a bit has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Rate {
+    Nominal,
+    Data,
+}
+
+/// What an edge may do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum SyncRule {
+    /// Hard synchronisation.
+    Hard,
+    /// Resynchronisation with both signs of phase error.
+    Both,
+    /// Resynchronisation, but a positive phase error does nothing: the node sends dominant.
+    NegativeOnly,
+    /// Nothing.
+    Off,
+}
+
+/// What an edge did; the corners of resynchronisation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SyncOutcome {
+    /// Hard synchronisation.
+    Hard,
+    /// The edge lies in SYNC_SEG.
+    InSyncSeg,
+    /// Positive phase error, PHASE_SEG1 was lengthened by `by` quanta.
+    Lengthened {
+        /// Phase error in quanta.
+        error: u32,
+        /// At most SJW.
+        by: u32,
+    },
+    /// Negative phase error, PHASE_SEG2 was shortened by `by` quanta.
+    Shortened {
+        /// Phase error in quanta, without its sign.
+        error: u32,
+        /// At most SJW.
+        by: u32,
+    },
+    /// The node sends dominant and the phase error is positive, or it does not synchronise now.
+    Ignored,
+}
+
+/// A bit timing in the quanta of one clock.
+#[derive(Debug, Clone)]
+struct Segments {
+    quantum: Quantum,
+    sample: u64,
+    phase_seg2: u64,
+    sjw: u64,
+}
+
+impl Segments {
+    fn new(clock: &Clock, timing: &BitTiming) -> Self {
+        Self {
+            quantum: clock.quantum(timing.prescaler()),
+            sample: timing.sample_quanta().into(),
+            phase_seg2: timing.phase_seg2().into(),
+            sjw: timing.sjw().into(),
+        }
+    }
+
+    const fn total(&self) -> u64 {
+        self.sample + self.phase_seg2
+    }
+}
+
+/// Where a node is in its bit: the bit whose sample point comes next.
+///
+/// Everything is counted in quanta from `origin`, the last sample point; edges only move counts.
+#[derive(Debug, Clone)]
+pub(crate) struct BitTime {
+    clock: Clock,
+    nominal: Segments,
+    data: Segments,
+    timings: (BitTiming, BitTiming),
+    rate: Rate,
+    origin: Tick,
+    /// Quanta from the origin to the start of the bit.
+    start: u64,
+    /// Quanta from the origin to its sample point.
+    to_sample: u64,
+    sample: Tick,
+    last: Option<SyncOutcome>,
+}
+
+impl BitTime {
+    pub(crate) fn new(
+        clock: Clock,
+        nominal: BitTiming,
+        data: Option<BitTiming>,
+        start: Time,
+    ) -> Self {
+        let data = data.unwrap_or(nominal);
+        let segments = Segments::new(&clock, &nominal);
+        let origin = Tick::at(start);
+        Self {
+            data: Segments::new(&clock, &data),
+            timings: (nominal, data),
+            rate: Rate::Nominal,
+            origin,
+            start: 0,
+            to_sample: segments.sample,
+            sample: clock.after(origin, &segments.quantum, segments.sample),
+            nominal: segments,
+            clock,
+            last: None,
+        }
+    }
+
+    /// Another clock from the last sample point on: a piece of a drift.
+    pub(crate) fn change_clock(&mut self, clock: Clock) {
+        self.nominal = Segments::new(&clock, &self.timings.0);
+        self.data = Segments::new(&clock, &self.timings.1);
+        self.clock = clock;
+        self.origin = self.origin.rebased();
+        self.place_sample();
+    }
+
+    #[inline]
+    const fn segments(&self) -> &Segments {
+        match self.rate {
+            Rate::Nominal => &self.nominal,
+            Rate::Data => &self.data,
+        }
+    }
+
+    pub(crate) const fn rate(&self) -> Rate {
+        self.rate
+    }
+
+    /// The start of the bit whose sample point comes next.
+    #[inline]
+    pub(crate) fn start(&self) -> Time {
+        self.tick(self.start).time()
+    }
+
+    #[inline]
+    pub(crate) const fn sample(&self) -> Time {
+        self.sample.time()
+    }
+
+    #[inline]
+    fn tick(&self, quanta: u64) -> Tick {
+        self.clock.after(self.origin, &self.segments().quantum, quanta)
+    }
+
+    /// A time before the sample point that follows the next `bits` ones, however edges shorten the
+    /// bits until then; `None` if that is not later than the next sample point.
+    #[inline]
+    pub(crate) fn before_sample(&self, bits: u32) -> Option<Time> {
+        let segments = self.segments();
+        let bits = u64::from(bits);
+        // An edge to dominant comes every other bit at most.
+        let shortened = (bits / 2 + 2) * segments.sjw;
+        let quanta = (bits * segments.total()).checked_sub(shortened)?;
+        Some(self.clock.after(self.sample, &segments.quantum, quanta).time())
+    }
+
+    /// The sample point after the next `bits` ones, if no edge comes.
+    #[inline]
+    pub(crate) fn sample_after(&self, bits: u32) -> Time {
+        let segments = self.segments();
+        self.clock.after(self.sample, &segments.quantum, u64::from(bits) * segments.total()).time()
+    }
+
+    #[inline]
+    fn place_sample(&mut self) {
+        self.sample = self.tick(self.to_sample);
+    }
+
+    /// Past the sample point: the rest of the bit and the next one have `rate`.
+    #[inline]
+    pub(crate) fn advance(&mut self, rate: Rate) {
+        self.rate = rate;
+        self.origin = self.sample;
+        let (phase_seg2, sample) = (self.segments().phase_seg2, self.segments().sample);
+        self.start = phase_seg2;
+        self.to_sample = phase_seg2 + sample;
+        self.place_sample();
+    }
+
+    /// Lets whole bits pass until one starts at or after `time`: the bus was idle.
+    pub(crate) fn skip_to(&mut self, time: Time) {
+        if self.start() >= time {
+            return;
+        }
+        let segments = self.segments();
+        let (total, sample) = (segments.total(), segments.sample);
+        let gone = self.clock.locate(self.origin, &segments.quantum, time) - self.start;
+        // The origin stays behind `time`: an edge may come before the bit starts.
+        self.origin = self.tick(self.start + gone / total * total);
+        self.start = if self.origin.time() < time { total } else { 0 };
+        self.to_sample = self.start + sample;
+        self.place_sample();
+    }
+
+    /// A recessive to dominant edge at `time`, which is after the last sample point. Returns what
+    /// it did, and when a change of TXD that waits for the start of the bit takes place now.
+    #[inline]
+    pub(crate) fn edge(&mut self, time: Time, rule: SyncRule) -> (SyncOutcome, u64) {
+        let segments = self.segments();
+        let (sjw, sample) = (segments.sjw, segments.sample);
+        let position = self.clock.locate(self.origin, &segments.quantum, time);
+        let outcome = match (rule, position.cmp(&self.start)) {
+            (SyncRule::Off, _) | (SyncRule::NegativeOnly, Ordering::Greater) => {
+                SyncOutcome::Ignored
+            }
+            (SyncRule::Hard, _) => {
+                self.start = position;
+                self.to_sample = position + sample;
+                self.place_sample();
+                SyncOutcome::Hard
+            }
+            (_, Ordering::Equal) => SyncOutcome::InSyncSeg,
+            (_, Ordering::Greater) => {
+                let error = position - self.start;
+                let by = error.min(sjw);
+                self.to_sample += by;
+                self.place_sample();
+                SyncOutcome::Lengthened { error: error as u32, by: by as u32 }
+            }
+            (_, Ordering::Less) => {
+                let error = self.start - position;
+                let by = error.min(sjw);
+                self.start -= by;
+                self.to_sample -= by;
+                self.place_sample();
+                SyncOutcome::Shortened { error: error as u32, by: by as u32 }
+            }
+        };
+        self.last = Some(outcome);
+        (outcome, position)
+    }
+
+    /// When a change of TXD that waits for the start of the bit takes place, after an edge in
+    /// quantum `position`: the edge is seen at the end of its quantum.
+    pub(crate) fn change_after_edge(&self, position: u64) -> Time {
+        self.tick(self.start.max(position + 1)).time()
+    }
+
+    /// What the last edge did.
+    pub(crate) const fn last_sync(&self) -> Option<SyncOutcome> {
+        self.last
+    }
+
+    /// `quanta` quanta of the present rate after `time`, for the secondary sample point.
+    pub(crate) fn quanta_after(&self, time: Time, quanta: u32) -> Time {
+        self.clock.after(Tick::at(time), &self.segments().quantum, quanta.into()).time()
+    }
+}

@@ -1,0 +1,148 @@
+//! Requests and the frame that is being sent.
+
+use canbaud::wire::{EncodedFrame, Frame, FrameKind, Level, encode};
+
+use super::machine::{Protocol, Request, State};
+use crate::event::{Event, FaultState, Role, Rule};
+use crate::node::config::{Mode, Retransmission};
+
+/// A frame on its way out.
+#[derive(Debug, Clone)]
+pub(super) struct Sending {
+    frame: Frame,
+    encoded: EncodedFrame,
+    /// The bit whose sample point comes next.
+    index: usize,
+}
+
+impl Sending {
+    #[inline]
+    pub(super) fn level(&self) -> Level {
+        self.encoded.bits.level(self.index)
+    }
+
+    /// Goes on to the next bit and returns it.
+    #[inline]
+    pub(super) fn advance(&mut self) -> Level {
+        self.index += 1;
+        self.level()
+    }
+
+    /// How many bits after the present one have its level.
+    #[inline]
+    pub(super) fn same_level_ahead(&self) -> u32 {
+        // Up to six bits: stuffing allows no longer run, and longer ones may as well be split.
+        let ahead = self.encoded.bits.bits(self.index, 7) ^ self.flip();
+        (ahead << 25).leading_zeros().saturating_sub(1).min(6)
+    }
+
+    /// All ones if the present bit is recessive.
+    fn flip(&self) -> u32 {
+        match self.level() {
+            Level::Recessive => 0x7F,
+            Level::Dominant => 0,
+        }
+    }
+
+    pub(super) const fn index(&self) -> u32 {
+        self.index as u32
+    }
+
+    pub(super) const fn before_sof(&self) -> bool {
+        self.index == 0
+    }
+
+    pub(super) const fn frame(&self) -> &Frame {
+        &self.frame
+    }
+}
+
+impl Protocol {
+    /// Adds a request. True if the node is idle and begins with SOF at its next bit.
+    pub(crate) fn request(&mut self, frame: Frame) -> bool {
+        self.queue.push_back(Request { frame, attempts: 0, encoded: None });
+        self.state == State::Idle && self.start()
+    }
+
+    /// Requests that have not been sent.
+    pub(crate) fn pending(&self) -> usize {
+        self.queue.len()
+    }
+
+    /// Takes back all requests that are not being sent.
+    pub(crate) fn abort_requests(&mut self) {
+        let keep = usize::from(self.sending.is_some());
+        self.queue.truncate(keep);
+    }
+
+    /// Drops the request that is being sent or comes next.
+    fn drop_request(&mut self) {
+        self.queue.pop_front();
+    }
+
+    /// From idle: SOF of the first request is next. False if there is none or it may not be sent.
+    pub(super) fn start(&mut self) -> bool {
+        if !self.prepare(0) {
+            return false;
+        }
+        self.state = State::Frame;
+        self.reader.reset();
+        self.drive = Level::Dominant;
+        true
+    }
+
+    /// SOF of another node was read in the third bit of the intermission: joins with the first
+    /// bit of the identifier.
+    pub(super) fn join(&mut self) {
+        if self.prepare(1) {
+            self.drive = self.sending.as_ref().map_or(Level::Recessive, Sending::level);
+        }
+    }
+
+    fn prepare(&mut self, index: usize) -> bool {
+        let may = matches!(self.setup.mode, Mode::Normal | Mode::Loopback);
+        let passive = self.fault.state() == FaultState::ErrorPassive;
+        let Some(request) = self.queue.front_mut().filter(|_| may) else { return false };
+        request.attempts += 1;
+        let frame = with_esi(&request.frame, passive);
+        let attempt = request.attempts;
+        // A frame that lost arbitration comes again with the same bits.
+        let encoded = match request.encoded {
+            Some((of, encoded)) if of == frame => encoded,
+            Some(_) | None => encode(&frame, self.setup.fd_crc),
+        };
+        request.encoded = Some((frame, encoded));
+        self.sending = Some(Sending { frame, encoded, index });
+        self.role = Role::Transmitter;
+        self.events.push(Event::TransmissionStarted { frame, attempt });
+        true
+    }
+
+    /// The attempt failed: the request stays, or is dropped in one-shot mode.
+    pub(super) fn give_up_attempt(&mut self) {
+        let Some(sending) = self.sending.take() else { return };
+        if self.setup.retransmission == Retransmission::OneShot {
+            self.drop_request();
+            self.events.push(Event::Abandoned { frame: sending.frame });
+        }
+    }
+
+    /// The end of EOF.
+    pub(super) fn succeed(&mut self) {
+        let Some(sending) = self.sending.take() else { return };
+        self.drop_request();
+        self.events.push(Event::Transmitted { frame: sending.frame });
+        self.count(Rule::Transmitted);
+    }
+}
+
+/// The frame with ESI as an error passive node sends it.
+fn with_esi(frame: &Frame, passive: bool) -> Frame {
+    match frame.kind() {
+        FrameKind::Fd { brs, esi } => {
+            let kind = FrameKind::Fd { brs, esi: esi || passive };
+            Frame::new(frame.id(), kind, frame.dlc(), frame.data()).unwrap_or(*frame)
+        }
+        FrameKind::Data | FrameKind::Remote => *frame,
+    }
+}

@@ -1,0 +1,106 @@
+//! What happened, as lines that a person reads.
+
+use std::io::{self, Write};
+
+use canbaud::wire::{Frame, FrameKind};
+
+use crate::event::{Event, NodeId, Observer, Role};
+use crate::node::{Mode, NodeConfig, Wire};
+use crate::time::Time;
+
+/// Writes a line for each event; the first error of the writer is kept.
+#[derive(Debug)]
+pub struct Timeline<W> {
+    out: W,
+    names: Vec<String>,
+    width: usize,
+    error: Option<io::Error>,
+}
+
+fn show(frame: &Frame) -> String {
+    let kind = match frame.kind() {
+        FrameKind::Data => "",
+        FrameKind::Remote => " remote",
+        FrameKind::Fd { brs: false, .. } => " FD",
+        FrameKind::Fd { brs: true, .. } => " FD BRS",
+    };
+    let bytes: Vec<_> = frame.data().iter().map(|byte| format!("{byte:02X}")).collect();
+    format!("{}{kind} [{}] {}", frame.id(), frame.dlc(), bytes.join(" "))
+}
+
+impl<W: Write> Timeline<W> {
+    /// For nodes of these names.
+    pub fn new(out: W, names: Vec<String>) -> Self {
+        let width = names.iter().map(String::len).max().unwrap_or(0);
+        Self { out, names, width, error: None }
+    }
+
+    /// The writer, or the first error that it had.
+    ///
+    /// # Errors
+    /// Whatever writing came to.
+    pub fn finish(mut self) -> io::Result<W> {
+        match self.error {
+            Some(error) => Err(error),
+            None => self.out.flush().map(|()| self.out),
+        }
+    }
+
+    fn line(&mut self, at: Time, node: NodeId, what: &str) {
+        let name = self.names.get(node.0).map_or("?", String::as_str);
+        let width = self.width;
+        if self.error.is_none() {
+            let line = format!("{at}  {name:width$}  {what}");
+            self.error = writeln!(self.out, "{}", line.trim_end()).err();
+        }
+    }
+}
+
+impl<W: Write> Observer for Timeline<W> {
+    fn event(&mut self, at: Time, node: NodeId, event: &Event) {
+        let what = match event {
+            Event::TransmissionStarted { frame, attempt: 1 } => {
+                format!("sends     {}", show(frame))
+            }
+            Event::TransmissionStarted { frame, attempt } => {
+                format!("sends     {} (attempt {attempt})", show(frame))
+            }
+            Event::ArbitrationLost { bit } => format!("lost arbitration at bit {bit}"),
+            Event::Transmitted { frame } => format!("sent      {}", show(frame)),
+            Event::Abandoned { frame } => format!("gave up   {}", show(frame)),
+            Event::Received { frame } => format!("received  {}", show(frame)),
+            Event::Error { kind, place, role, .. } => {
+                let role = match role {
+                    Role::Transmitter => "transmitter",
+                    Role::Receiver => "receiver",
+                };
+                format!("{kind} as {role}, {place}")
+            }
+            Event::Fault(state) => format!("is {state}"),
+            Event::Overload => "overload flag".into(),
+            Event::ProtocolException => "protocol exception: waits for an idle bus".into(),
+            Event::Integrated => "takes part".into(),
+            // Every frame and every error counts; the state is what a reader looks for.
+            Event::Counted { .. } | Event::RecoverySequence(_) => return,
+        };
+        self.line(at, node, &what);
+    }
+
+    fn reconfigured(&mut self, at: Time, node: NodeId, config: &NodeConfig) {
+        let mode = match (config.wire, config.mode) {
+            (Wire::Cut, _) => "is cut off",
+            (Wire::Connected, Mode::Normal) => "is set up: normal",
+            (Wire::Connected, Mode::BusMonitoring) => "is set up: bus monitoring",
+            (Wire::Connected, Mode::Restricted) => "is set up: restricted",
+            (Wire::Connected, Mode::Loopback) => "is set up: loopback",
+            (Wire::Connected, Mode::Disabled) => "is switched off",
+        };
+        let periods = u64::from(config.nominal.prescaler() * config.nominal.quanta());
+        let rate = config.oscillator.hertz / periods;
+        let what = match config.mode {
+            Mode::Disabled => mode.to_owned(),
+            _ => format!("{mode}, {rate} bit/s"),
+        };
+        self.line(at, node, &what);
+    }
+}
