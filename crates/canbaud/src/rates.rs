@@ -8,22 +8,28 @@ use crate::units::Bitrate;
 /// A bit rate in use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KnownRate {
-    numerator: u32,
-    denominator: u32,
+    millibits_per_second: u64,
+    bitrate: Bitrate,
     users: &'static str,
 }
 
 impl KnownRate {
     const fn new(numerator: u32, denominator: u32, users: &'static str) -> Self {
-        Self { numerator, denominator, users }
+        let millibits = numerator as u64 * 1000;
+        let rounded = (numerator + denominator / 2) / denominator;
+        // Evaluated while compiling: an impossible entry does not build.
+        let Some(bitrate) = Bitrate::new(rounded) else { panic!("rate below 1 bit/s") };
+        Self {
+            millibits_per_second: (millibits + denominator as u64 / 2) / denominator as u64,
+            bitrate,
+            users,
+        }
     }
 
     /// The rate in thousandths of a bit/s, rounded.
     #[must_use]
     pub const fn millibits_per_second(&self) -> u64 {
-        let numerator = self.numerator as u64 * 1000;
-        let denominator = self.denominator as u64;
-        (numerator + denominator / 2) / denominator
+        self.millibits_per_second
     }
 
     /// The rate in whole bit/s, rounded.
@@ -35,12 +41,7 @@ impl KnownRate {
     /// ```
     #[must_use]
     pub const fn bitrate(&self) -> Bitrate {
-        let rounded = (self.numerator + self.denominator / 2) / self.denominator;
-        match Bitrate::new(rounded) {
-            Some(bitrate) => bitrate,
-            // No entry of the tables is below 1 bit/s: a test goes through them.
-            None => panic!("rate below 1 bit/s"),
-        }
+        self.bitrate
     }
 
     /// Who uses it: standards first, then vehicles and devices.

@@ -84,7 +84,7 @@ pub enum Verdict {
     Undecided(Need),
     /// There is no activity.
     NoTraffic,
-    /// Two rates are proven on one line.
+    /// Two rates are proven on one line: nominal ones, or at one nominal rate two data rates.
     Conflict {
         /// The rate that proved more frames.
         first: BitTime,

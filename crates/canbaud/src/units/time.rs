@@ -56,7 +56,8 @@ impl Timebase {
     pub const fn nanoseconds(self, ticks: u64) -> Option<u64> {
         let product = ticks as u128 * self.seconds as u128;
         let Some(scaled) = product.checked_mul(1_000_000_000) else { return None };
-        let rounded = (scaled + self.ticks as u128 / 2) / self.ticks as u128;
+        let Some(sum) = scaled.checked_add(self.ticks as u128 / 2) else { return None };
+        let rounded = sum / self.ticks as u128;
         if rounded > u64::MAX as u128 { None } else { Some(rounded as u64) }
     }
 }

@@ -190,10 +190,6 @@ impl<const N: usize> ActivityBuffer<N> {
         }
     }
 
-    pub(crate) const fn len(&self) -> usize {
-        self.len
-    }
-
     /// When the activity began.
     pub(crate) const fn origin(&self) -> u64 {
         self.origin
@@ -216,9 +212,13 @@ impl<const N: usize> ActivityBuffer<N> {
         self.before == Before::Unknown
     }
 
-    /// Whether the recording ended before a gap did.
-    pub(crate) fn is_cut(&self) -> bool {
-        self.ending == Ending::Recording
+    /// Whether the recording ended in the run at `index`.
+    pub(crate) fn is_cut_at(&self, index: usize) -> bool {
+        let last = match self.level {
+            Level::Dominant => self.len.saturating_sub(1),
+            Level::Recessive => self.len,
+        };
+        self.ending == Ending::Recording && index >= last
     }
 
     /// Whether `activity` is an overload flag: one long dominant run right behind a frame.

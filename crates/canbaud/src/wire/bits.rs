@@ -43,16 +43,17 @@ impl BitString {
         self.len = 0;
     }
 
-    /// Appends the low `count` (0 to 32) bits of `bits`, most significant first.
+    /// Appends the low `count` (at most 32) bits of `bits`, most significant first.
     #[inline]
     pub fn push(&mut self, bits: u32, count: u32) {
+        let count = if count > 32 { 32 } else { count };
         if count == 0 {
             return;
         }
         let masked = u64::from(bits) & ((1_u64 << count) - 1);
         let used = (self.len % 64) as u32;
         let word = self.len / 64;
-        self.len += count as usize;
+        self.len = self.len.saturating_add(count as usize);
         let free = 64 - used;
         if count <= free {
             if let Some(w) = self.words.get_mut(word) {
@@ -72,7 +73,10 @@ impl BitString {
     /// Appends `count` bits of one level.
     #[inline]
     pub fn push_run(&mut self, level: Level, count: u32) {
-        let mut left = count;
+        // More would not be stored; a reader notices from the length all the same.
+        let stored = count.min(2 * Self::CAPACITY as u32);
+        self.len = self.len.saturating_add((count - stored) as usize);
+        let mut left = stored;
         while left > 0 {
             let step = if left < 32 { left } else { 32 };
             match level {
@@ -93,10 +97,11 @@ impl BitString {
         }
     }
 
-    /// `count` (0 to 32) bits from `index`, most significant first; 0 past the capacity.
+    /// `count` (at most 32) bits from `index`, most significant first; 0 past the capacity.
     #[must_use]
     #[inline]
     pub fn bits(&self, index: usize, count: u32) -> u32 {
+        let count = if count > 32 { 32 } else { count };
         if count == 0 {
             return 0;
         }
@@ -105,7 +110,7 @@ impl BitString {
         let high = self.words.get(word).copied().unwrap_or(0) << offset;
         let low = match offset {
             0 => 0,
-            _ => self.words.get(word + 1).copied().unwrap_or(0) >> (64 - offset),
+            _ => self.words.get(word.saturating_add(1)).copied().unwrap_or(0) >> (64 - offset),
         };
         ((high | low) >> (64 - count)) as u32
     }

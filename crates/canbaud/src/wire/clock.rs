@@ -58,12 +58,6 @@ impl BitClock {
         let bits = (i128::from(ticks_q20) << 20) / i128::from(self.ticks_q20);
         bits.clamp(-SPAN_MAX_Q20, SPAN_MAX_Q20) as i32
     }
-
-    /// How long `self` is in bits of `other`, times 2^20.
-    pub(crate) fn in_bits_of_q20(self, other: Self) -> i32 {
-        let ratio = (self.ticks_q20 << 10) / (other.ticks_q20 >> 10).max(1);
-        ratio.min(SPAN_MAX_Q20 as u64) as i32
-    }
 }
 
 #[cfg(test)]

@@ -50,10 +50,10 @@ impl Crc {
         Self { kind, register: kind.start << (32 - kind.width) }
     }
 
-    /// Takes the low `count` (0 to 32) bits of `bits`, most significant first.
+    /// Takes the low `count` (at most 32) bits of `bits`, most significant first.
     pub const fn push_bits(&mut self, bits: u32, count: u32) {
         let polynomial = self.kind.polynomial << (32 - self.kind.width);
-        let mut left = count;
+        let mut left = if count > 32 { 32 } else { count };
         while left > 0 {
             left -= 1;
             let bit = (bits >> left) << 31;

@@ -198,7 +198,7 @@ impl<const N: usize> Decoder<N> {
         if self.activity.is_integrating() {
             return;
         }
-        let cut = self.activity.is_cut() && failure.run >= self.activity.len();
+        let cut = self.activity.is_cut_at(failure.run);
         let error = BusError {
             kind: if cut { ErrorKind::Truncated } else { failure.kind },
             field: failure.field,

@@ -24,7 +24,7 @@ impl EncodedFrame {
     /// The same frame with a dominant ACK slot, as the bus shows it once somebody listens.
     #[must_use]
     pub fn acknowledged(mut self) -> Self {
-        self.bits.set_dominant(self.crc_delimiter + 1);
+        self.bits.set_dominant(self.crc_delimiter.saturating_add(1));
         self
     }
 }
@@ -81,7 +81,6 @@ fn push_header(out: &mut Stuffer, frame: &Frame) -> Option<usize> {
         FrameKind::Fd { brs, esi } => {
             // FDF recessive, res dominant.
             out.push(0b10, 2);
-            out.settle();
             let at = out.bits.len();
             out.push(u32::from(brs), 1);
             out.push(u32::from(esi), 1);

@@ -78,6 +78,8 @@ impl FrameKind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FrameError {
+    /// The identifier is above 0x7FF or 0x1FFF_FFFF.
+    Id(u32),
     /// The DLC is above 15.
     Dlc(u8),
     /// The number of data bytes is not what kind and DLC ask for.
@@ -92,6 +94,7 @@ pub enum FrameError {
 impl fmt::Display for FrameError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Id(id) => write!(f, "identifier {id:X} outside 0 to 7FF, extended 0 to 1FFFFFFF"),
             Self::Dlc(dlc) => write!(f, "DLC {dlc} outside 0 to 15"),
             Self::Length { given, wanted } => {
                 write!(f, "{given} data bytes where kind and DLC ask for {wanted}")
@@ -125,8 +128,12 @@ impl Frame {
     /// ([`Frame::data_length`]).
     ///
     /// # Errors
-    /// [`FrameError`] if the DLC is above 15 or the length differs.
+    /// [`FrameError`] if the identifier or the DLC is out of range or the length differs.
     pub fn new(id: Id, kind: FrameKind, dlc: u8, data: &[u8]) -> Result<Self, FrameError> {
+        let id_max = if id.is_extended() { 0x1FFF_FFFF } else { 0x7FF };
+        if id.raw() > id_max {
+            return Err(FrameError::Id(id.raw()));
+        }
         if dlc > 15 {
             return Err(FrameError::Dlc(dlc));
         }

@@ -3,24 +3,24 @@
 use super::lattice::Stray;
 use super::measure::{Measurement, pool};
 use super::places::Places;
-use super::prove::{Proof, prove, prove_at};
+use super::prove::{Idle, Proof, prove, prove_at};
 use super::segment::{Candidate, End, Segmenter};
 use super::{glitch, interval};
-use crate::detect::{DataPhase, Found, Need, Verdict};
+use crate::detect::{BitTime, DataPhase, Found, Need, Verdict};
 use crate::wire::clock::BitClock;
 use crate::wire::reader::{Activity, Rates};
 use crate::wire::{BusTiming, DataTiming, FdCrc, Frame, Logic, Polarity};
 
 /// Proof that a verdict needs, in bits: one CRC, less what was tried until it was right.
-const PROOF_BITS_MIN: u32 = 13;
-/// The same with few ticks a bit, where many bit times that hardly differ must be tried.
-const PROOF_BITS_MIN_COARSE: u32 = 10;
-/// From this many ticks a bit on (times 2^20), a bit time needs no such trying.
-const FINE_TICKS_Q20: u64 = 4 << 20;
+const PROOF_BITS_MIN: u32 = 10;
 /// A nominal bit time less certain than 1.2 % is no answer: rates in use lie 1.6 % apart.
 const UNCERTAINTY_MAX_PPB: u32 = 12_000_000;
 /// The same for frames with a data phase, whose nominal part is short.
 const SWITCHED_UNCERTAINTY_MAX_PPB: u32 = 5_000_000;
+/// Proof of a second rate: two different frames.
+const RIVAL_BITS_MIN: u32 = 25;
+/// Or this many that may be alike.
+const RIVAL_FRAMES_MIN: u32 = 4;
 /// Two bit times closer than this share of one another are the same rate: 1/64.
 const SAME_RATE_SHIFT: u32 = 6;
 
@@ -44,6 +44,8 @@ pub struct PulseDetector<const N: usize = 160> {
     edges: u32,
     candidates: u32,
     rates: ProvenRates,
+    /// Readings whose CRC was compared: each was a chance to be wrong.
+    tried: u32,
 }
 
 /// A rate that proved at least one frame.
@@ -70,6 +72,7 @@ impl<const N: usize> PulseDetector<N> {
             edges: 0,
             candidates: 0,
             rates: ProvenRates { leader: None, rival: None },
+            tried: 0,
         }
     }
 
@@ -91,10 +94,12 @@ impl<const N: usize> PulseDetector<N> {
         }
     }
 
-    /// The line has not changed from the last edge to `at`, and the recording ends or pauses.
+    /// The line has not changed from the last edge to `at`, and the recording ends or pauses;
+    /// [`PulseDetector::begin`] comes before the next edge.
     pub fn finish(&mut self, at: u64) {
         let run = u32::try_from(at.saturating_sub(self.last)).unwrap_or(u32::MAX);
         self.judge(run, End::OfRecording);
+        self.segmenter.stop();
     }
 
     /// What is known so far.
@@ -104,14 +109,13 @@ impl<const N: usize> PulseDetector<N> {
             (None, _) if self.edges == 0 => Verdict::NoTraffic,
             (None, _) if self.candidates == 0 => Verdict::Undecided(Need::CompleteFrame),
             (None, _) => Verdict::Undecided(Need::CleanFrame),
-            (Some(leader), Some(rival)) if rival.proven > 1 || leader.proven == 1 => {
-                match (leader.nominal.bit_time(), rival.nominal.bit_time()) {
-                    (Some(first), Some(second)) if rival.proven > 1 => {
-                        Verdict::Conflict { first, second }
-                    }
-                    _ => Verdict::Undecided(Need::AnotherFrame),
+            (Some(leader), Some(rival)) if rival.is_beyond_accident() => {
+                match leader.apart_from(rival) {
+                    Some((first, second)) => Verdict::Conflict { first, second },
+                    None => Verdict::Undecided(Need::AnotherFrame),
                 }
             }
+            (Some(leader), Some(_)) if leader.proven == 1 => Verdict::Undecided(Need::AnotherFrame),
             (Some(leader), _) => leader.verdict(),
         }
     }
@@ -141,30 +145,39 @@ impl<const N: usize> PulseDetector<N> {
     fn judge_candidate(&mut self, candidate: Candidate) -> bool {
         let runs = self.segmenter.runs_from(candidate.at);
         let gap = candidate.gap;
+        let idle = Idle { before: candidate.before, behind: candidate.behind };
         let polarity = match candidate.idle {
             Logic::High => Polarity::Normal,
             Logic::Low => Polarity::Inverted,
         };
         let mut room = [0; N];
         let rates = &mut self.rates;
-        if rates.read(runs, gap, polarity, &mut room) {
+        if rates.read(Activity { runs, gap }, idle, polarity, &mut room) {
             return true;
         }
-        let mut compared = 0;
-        let activity = Activity { runs, gap };
-        if let Some(proof) = prove(activity, candidate.before, &mut compared) {
-            rates.enter(&proof, activity, polarity);
-            return true;
+        let proven = Self::prove_anew(runs, gap, idle, &mut self.tried, &mut room);
+        if let Some((proof, runs)) = proven {
+            rates.enter(&proof, Activity { runs, gap }, polarity);
         }
-        for width in glitch::widths(runs) {
-            let Some(runs) = glitch::without(runs, width, &mut room) else { continue };
-            let activity = Activity { runs, gap };
-            if let Some(proof) = prove(activity, candidate.before, &mut compared) {
-                rates.enter(&proof, activity, polarity);
-                return true;
-            }
+        proven.is_some()
+    }
+
+    /// Proves a rate that is not known yet, if need be without glitches; gives the runs, too.
+    fn prove_anew<'a>(
+        runs: &'a [u32],
+        gap: u32,
+        idle: Idle,
+        tried: &mut u32,
+        room: &'a mut [u32; N],
+    ) -> Option<(Proof, &'a [u32])> {
+        if let Some(proof) = prove(Activity { runs, gap }, idle, tried) {
+            return Some((proof, runs));
         }
-        false
+        let (width, proof) = glitch::widths(runs).find_map(|width| {
+            let clean = glitch::without(runs, width, room)?;
+            prove(Activity { runs: clean, gap }, idle, tried).map(|proof| (width, proof))
+        })?;
+        glitch::without(runs, width, room).map(|clean| (proof, clean))
     }
 }
 
@@ -181,23 +194,30 @@ impl ProvenRates {
     }
 
     /// Reads a frame at one of the rates; `room` holds it without its glitches.
-    fn read(&mut self, runs: &[u32], gap: u32, polarity: Polarity, room: &mut [u32]) -> bool {
-        let read =
-            self.iter_mut().any(|rate| rate.polarity == polarity && rate.reads(runs, gap, room));
+    fn read(
+        &mut self,
+        activity: Activity<'_>,
+        idle: Idle,
+        polarity: Polarity,
+        room: &mut [u32],
+    ) -> bool {
+        let read = self.iter_mut().any(|rate| {
+            rate.polarity == polarity
+                && idle.suits(rate.rates.nominal.ticks_q20())
+                && rate.reads(activity, room)
+        });
         self.rank();
         read
     }
 
     /// Enters a proof with the rate that it is for.
     fn enter(&mut self, proof: &Proof, activity: Activity<'_>, polarity: Polarity) {
-        let fitted = proof.attempt.reading.nominal.fit().ticks_q20();
-        let bit_q20 = fitted.unwrap_or(proof.attempt.rates.nominal.ticks_q20());
-        let same = self.iter_mut().find(|rate| {
-            let known = rate.rates.nominal.ticks_q20();
-            rate.polarity == polarity && known.abs_diff(bit_q20) <= known >> SAME_RATE_SHIFT
-        });
+        // Two rates on one line are a conflict already.
+        let full = self.rival.is_some_and(|rival| rival.proven > 1);
+        let same = self.iter_mut().find(|rate| rate.polarity == polarity && rate.is_of(proof));
         match same {
             Some(rate) => rate.add(proof, activity),
+            None if full => {}
             None => {
                 let slot = if self.leader.is_none() { &mut self.leader } else { &mut self.rival };
                 *slot = Some(Rate::new(proof, activity, polarity));
@@ -240,14 +260,30 @@ impl Rate {
         rate
     }
 
+    /// Whether a frame is of this rate, by its own edges.
+    fn is_of(&self, proof: &Proof) -> bool {
+        let same = |known: u64, other: u64| known.abs_diff(other) <= known >> SAME_RATE_SHIFT;
+        let reading = &proof.attempt.reading;
+        let nominal = reading.nominal.fit().ticks_q20();
+        let data = proof.attempt.rates.data.filter(|_| reading.brs_run.is_some());
+        same(
+            self.rates.nominal.ticks_q20(),
+            nominal.unwrap_or(proof.attempt.rates.nominal.ticks_q20()),
+        ) && match (self.rates.data, data) {
+            (Some(known), Some(other)) => same(known.clock.ticks_q20(), other.clock.ticks_q20()),
+            _ => true,
+        }
+    }
+
     /// Reads one more frame at this rate; `room` holds it without its glitches.
-    fn reads(&mut self, runs: &[u32], gap: u32, room: &mut [u32]) -> bool {
+    fn reads(&mut self, activity: Activity<'_>, room: &mut [u32]) -> bool {
         let shortest = self.rates.data.map_or(self.rates.nominal, |data| data.clock);
         let width = (3 * shortest.ticks_q20() / 10) >> 20;
         let width = u32::try_from(width).unwrap_or(u32::MAX);
-        let runs = glitch::without(runs, width, room).unwrap_or(runs);
-        let activity = Activity { runs, gap };
-        let proof = prove_at(activity, &self.rates, &mut 0);
+        let runs = glitch::without(activity.runs, width, room).unwrap_or(activity.runs);
+        let activity = Activity { runs, ..activity };
+        // A receiver tolerates several percent; a frame that far off is of another rate.
+        let proof = prove_at(activity, &self.rates, &mut 0).filter(|proof| self.is_of(proof));
         if let Some(proof) = &proof {
             self.add(proof, activity);
         }
@@ -290,6 +326,22 @@ impl Rate {
         self.sharpen();
     }
 
+    /// Whether this many frames, or frames this different, are no accident of a CRC.
+    fn is_beyond_accident(&self) -> bool {
+        self.proof_bits >= RIVAL_BITS_MIN || self.proven >= RIVAL_FRAMES_MIN
+    }
+
+    /// The bit times in which two rates differ: the nominal ones, or else those of the data phase.
+    fn apart_from(&self, other: &Self) -> Option<(BitTime, BitTime)> {
+        let nominal = (self.nominal.bit_time()?, other.nominal.bit_time()?);
+        let near = nominal.0.ticks_q20.abs_diff(nominal.1.ticks_q20)
+            <= nominal.0.ticks_q20 >> SAME_RATE_SHIFT;
+        match (near, self.data.bit_time(), other.data.bit_time()) {
+            (true, Some(first), Some(second)) => Some((first, second)),
+            _ => Some(nominal),
+        }
+    }
+
     /// Reads the next frame at the bit times measured so far.
     fn sharpen(&mut self) {
         let measured = self.nominal.bit_time().and_then(|bit| BitClock::new(bit.ticks_q20));
@@ -313,9 +365,7 @@ impl Rate {
         let Some(nominal) = self.nominal.bit_time() else {
             return Verdict::Undecided(Need::CleanFrame);
         };
-        let fine = nominal.ticks_q20 >= FINE_TICKS_Q20;
-        let wanted = if fine { PROOF_BITS_MIN } else { PROOF_BITS_MIN_COARSE };
-        if self.proof_bits < wanted || nominal.uncertainty_ppb > UNCERTAINTY_MAX_PPB {
+        if self.proof_bits < PROOF_BITS_MIN || nominal.uncertainty_ppb > UNCERTAINTY_MAX_PPB {
             return Verdict::Undecided(Need::AnotherFrame);
         }
         let (nominal, data) = match (self.fd_frames, self.data.bit_time()) {

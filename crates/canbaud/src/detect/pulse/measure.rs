@@ -14,8 +14,12 @@ use crate::wire::{Fit, PhaseSums};
 pub struct Measurement {
     sxx_q8: u128,
     sxy_q8: u128,
-    /// Sum of bit time times mixed sum, frame by frame, times 2^28: how far frames disagree.
-    weighted_q28: u128,
+    /// The bit time of the first frame in ticks times 2^20; deviations are counted from it.
+    pivot_q20: u64,
+    /// Weighted sum of the deviations of the frames' bit times, times 2^28.
+    deviation_q28: i128,
+    /// The same of their squares, times 2^48.
+    squares_q48: u128,
     frames: u32,
     edges: u64,
     asymmetry_q8: i64,
@@ -39,8 +43,14 @@ impl Measurement {
         let Some(ticks_q20) = fit.ticks_q20() else { return };
         self.sxx_q8 += u128::from(fit.sxx_q8);
         self.sxy_q8 += u128::from(fit.sxy_q8);
-        self.weighted_q28 =
-            self.weighted_q28.saturating_add(u128::from(ticks_q20) * u128::from(fit.sxy_q8));
+        if self.frames == 0 {
+            self.pivot_q20 = ticks_q20;
+        }
+        let off = i128::from(ticks_q20) - i128::from(self.pivot_q20);
+        let weighted = off.saturating_mul(i128::from(fit.sxx_q8));
+        self.deviation_q28 = self.deviation_q28.saturating_add(weighted);
+        let square = weighted.unsigned_abs().saturating_mul(off.unsigned_abs());
+        self.squares_q48 = self.squares_q48.saturating_add(square);
         self.frames = self.frames.saturating_add(1);
         self.edges += u64::from(fit.edges);
         self.asymmetry_q8 = self.asymmetry_q8.saturating_add(i64::from(fit.asymmetry_q8));
@@ -106,11 +116,14 @@ impl Measurement {
 
     /// Variance of the mean from how far frames disagree, in ticks^2 times 2^40.
     fn scatter_q40(&self) -> u128 {
-        let (Some(ticks_q20), 2..) = (self.ticks_q20(), self.frames) else { return 0 };
-        let common = self.sxy_q8.saturating_mul(u128::from(ticks_q20));
-        let scatter_q28 = self.weighted_q28.saturating_sub(common);
-        let per_frame = scatter_q28 / u128::from(self.frames - 1);
-        per_frame.saturating_mul(1 << 20) / self.sxx_q8
+        if self.frames < 2 {
+            return 0;
+        }
+        let sum = self.deviation_q28.unsigned_abs();
+        // sum^2 / weight, divided first: the mean deviation is at most a few ticks.
+        let common = (sum / self.sxx_q8).saturating_mul(sum);
+        let scatter = self.squares_q48.saturating_sub(common) / u128::from(self.frames - 1);
+        scatter / self.sxx_q8
     }
 }
 

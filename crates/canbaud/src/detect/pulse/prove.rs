@@ -13,8 +13,22 @@ use crate::wire::{FdCrc, Received};
 /// Most bit times tried for one frame.
 const PROPOSALS_MAX: usize = 48;
 
-/// Fewest idle bits before a frame: ten are sure, rounding may take one.
-const IDLE_BITS_MIN: u64 = 9;
+/// The idle around a frame, in ticks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Idle {
+    pub(super) before: u32,
+    pub(super) behind: u32,
+}
+
+impl Idle {
+    /// Whether a frame with `bit_q20` ticks a bit (times 2^20) can stand here: ten bits are sure
+    /// before it, rounding may take one; eight behind it, where an overload flag may follow.
+    pub(super) fn suits(self, bit_q20: u64) -> bool {
+        let half_bits = |ticks: u32| u128::from(ticks) << 21;
+        let bit = u128::from(bit_q20);
+        half_bits(self.before) >= 18 * bit && half_bits(self.behind) >= 15 * bit
+    }
+}
 
 /// Bit times to try, in ticks times 2^20, in the order of trying.
 #[derive(Debug, Clone)]
@@ -90,29 +104,27 @@ impl Attempt {
 
 /// Tries to prove a bit time for `activity`; counts the comparisons of a CRC in `compared`.
 ///
-/// A frame needs its idle `before`: eleven bits, less what a late end of the frame before it takes.
-pub(super) fn prove(activity: Activity<'_>, before: u32, compared: &mut u32) -> Option<Proof> {
-    let idle_q20 = u64::from(before) << 20;
+/// A frame has its idle around it, so bit times that the idle is too short for are not tried.
+pub(super) fn prove(activity: Activity<'_>, idle: Idle, compared: &mut u32) -> Option<Proof> {
     let mut proposals = Proposals::new();
     coarse::propose(activity.runs, &mut proposals);
-    if let Some(proof) = first_right(activity, idle_q20, &proposals, compared) {
+    if let Some(proof) = first_right(activity, idle, &proposals, compared) {
         return Some(proof);
     }
     [Slack::Tight, Slack::Loose].into_iter().find_map(|slack| {
         let mut proposals = Proposals::new();
         comb::propose(activity.runs, slack, &mut proposals);
-        first_right(activity, idle_q20, &proposals, compared)
+        first_right(activity, idle, &proposals, compared)
     })
 }
 
 fn first_right(
     activity: Activity<'_>,
-    idle_q20: u64,
+    idle: Idle,
     proposals: &Proposals,
     compared: &mut u32,
 ) -> Option<Proof> {
-    let fitting = |bit_q20: &u64| idle_q20 >= bit_q20 * IDLE_BITS_MIN;
-    proposals.iter().filter(fitting).find_map(|bit_q20| {
+    proposals.iter().filter(|bit_q20| idle.suits(*bit_q20)).find_map(|bit_q20| {
         let nominal = BitClock::new(bit_q20)?;
         let rates = Rates { nominal, data: None, fd_crc: FdCrc::Iso, late_ticks_q20: 0 };
         prove_at(activity, &rates, compared)
@@ -127,9 +139,8 @@ pub(super) fn prove_at(activity: Activity<'_>, rates: &Rates, compared: &mut u32
             return Some(proof);
         }
         if let Outcome::DataRateWanted { brs_run } = attempt.reading.outcome {
-            if let Some(proof) = data_rate::prove(activity, rates, brs_run, compared) {
-                return Some(proof);
-            }
+            // Another placement would hardly move BRS.
+            return data_rate::prove(activity, rates, brs_run, compared);
         } else if attempt.reading.is_fd && rates.data.is_none() {
             let rates = Rates { fd_crc: FdCrc::NonIso, ..*rates };
             let attempt = Attempt::new(activity, rates, placement);

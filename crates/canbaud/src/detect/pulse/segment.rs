@@ -32,6 +32,8 @@ pub(super) struct Candidate {
     pub(super) idle: Logic,
     /// The idle before; endless where the recording begins in it.
     pub(super) before: u32,
+    /// The idle behind; endless where the recording ends in it.
+    pub(super) behind: u32,
     pub(super) gap: u32,
 }
 
@@ -116,6 +118,10 @@ impl<const N: usize> Segmenter<N> {
                 at: start.at,
                 idle: self.level,
                 before: start.before,
+                behind: match end {
+                    End::Edge => run,
+                    End::OfRecording => u32::MAX,
+                },
                 gap: run,
             })
     }
@@ -161,6 +167,13 @@ impl<const N: usize> Segmenter<N> {
         self.add(Start::new(0, run));
         self.began = Began::WithAnEdge;
         self.level = self.level.toggled();
+    }
+
+    /// The recording has ended: nothing is kept.
+    pub(super) fn stop(&mut self) {
+        self.len = 0;
+        self.starts = [None; STARTS];
+        self.began = Began::WithTheRecording;
     }
 
     const fn idle_before(&self, run: u32) -> u32 {

@@ -4,7 +4,7 @@ use super::super::frame::FrameKind;
 use super::super::item::{ErrorKind, Field};
 use super::super::line::Level;
 use super::super::sync::Sync;
-use super::{Failure, Phase, Reader, Stuffing};
+use super::{Failure, Phase, Reader};
 
 /// What the header says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +61,9 @@ impl Reader<'_> {
             // CAN XL, or a reserved format: a CAN FD receiver leaves the frame here.
             return Err(self.fail(ErrorKind::Form, Field::Control));
         }
-        if self.plain.len() == brs_at && self.next_run_has_brs() {
+        // FDF and res differ, so res is the first of its level: no stuff bit is due before BRS.
+        let next = self.activity.run(self.next);
+        if self.plain.len() == brs_at && matches!(next, Some((_, Level::Recessive))) {
             let Some(data) = self.rates.data else {
                 return Ok(Header::DataRateWanted { brs_run: self.next });
             };
@@ -76,38 +78,24 @@ impl Reader<'_> {
         Ok(Header::Fd(Format { kind, dlc, data_at: dlc_at + 4 }))
     }
 
-    /// Whether the next run, which starts where BRS does, holds more than a stuff bit.
-    fn next_run_has_brs(&self) -> bool {
-        let Some((ticks, Level::Recessive)) = self.activity.run(self.next) else {
-            return false;
-        };
-        match self.stuffing {
-            Stuffing::Open => true,
-            // BRS at least half a bit long behind the stuff bit.
-            Stuffing::Due => 2 * self.rates.nominal.bits_q20(ticks) >= 3 << 20,
-        }
-    }
-
-    /// Takes the run that begins with BRS (or with a stuff bit and BRS) and goes on at the data
+    /// Takes the run that begins with BRS and goes on at the data
     /// bit rate from the edge that ends it.
     fn switch_bit_rate(&mut self, data: super::DataRate) -> Result<(), Failure> {
         let Some((ticks, level)) = self.activity.run(self.next) else {
             return Err(self.fail(ErrorKind::Truncated, Field::Control));
         };
         let late = data.clock.signed_bits_q20(self.rates.late_ticks_q20);
-        let stuffed = self.stuffing.bits();
-        let nominal = self.rates.nominal.in_bits_of_q20(data.clock) * stuffed as i32;
-        let skip = nominal + data.clock.signed_bits_q20(data.brs_ticks_q20 as i64);
+        let skip = data.clock.signed_bits_q20(data.brs_ticks_q20.min(i64::MAX as u64) as i64);
         // The edge before BRS leads to recessive, so it was late.
         let mut sync = Sync::new(super::Pace::Anchored, data.clock, late, late);
         let behind = sync.bits_after(ticks, level, skip);
-        let bits = stuffed + 1 + behind;
+        let bits = 1 + behind;
         if bits > 5 {
             return Err(self.fail(ErrorKind::Stuff, Field::Control));
         }
         self.take(bits, level);
         self.brs_run = Some(self.next);
-        self.nominal_bits = self.bits + stuffed;
+        self.nominal_bits = self.bits;
         self.next += 1;
         self.sync.switch(data.clock, late);
         self.phase = Phase::Data;
