@@ -6,6 +6,7 @@ use canbaud::wire::{
     Item, ItemKind, Level, Listener, encode,
 };
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 #[derive(Default)]
 struct Items(Vec<Item>);
@@ -104,7 +105,13 @@ fn any_frame() -> impl Strategy<Value = Frame> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+    // Seeded, so a failure repeats by running the test again.
+    #![proptest_config(ProptestConfig {
+        cases: 2000,
+        rng_seed: RngSeed::Fixed(11898),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     #[test]
     fn frames_survive_the_wire(
