@@ -110,6 +110,7 @@ proptest! {
         cases: 2000,
         rng_seed: RngSeed::Fixed(11898),
         failure_persistence: None,
+        max_global_rejects: 1 << 20,
         ..ProptestConfig::default()
     })]
 

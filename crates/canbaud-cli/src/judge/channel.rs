@@ -1,17 +1,19 @@
 //! One line: edges to the detector until a rate is proven, then to the decoder.
 
 use canbaud::detect::{PulseDetector, Verdict};
-use canbaud::units::{Bitrate, Timebase};
+use canbaud::units::Bitrate;
 use canbaud::wire::{BusTiming, Decoder, Item, Level, Logic, Polarity};
 
 use super::JudgeOptions;
 use super::evidence::{Counting, Evidence};
-use super::known;
+use super::known::{self, Grid};
 
 /// Runs that a frame may have: the longest CAN FD frame has under 700.
 pub(super) const RUNS: usize = 1024;
-/// Edges kept while the rate is sought, so that no frame is lost: 256 KiB a channel.
+/// Edges kept of one channel while its rate is sought, so that no frame is lost: 256 KiB.
 const KEPT_EDGES: usize = 1 << 15;
+/// Edges kept of all channels of a capture together: 8 MiB.
+const KEPT_EDGES_OF_ALL: usize = 1 << 20;
 /// Frames that make rate and polarity sure enough to decode.
 const FRAMES_TO_START: u32 = 16;
 /// Uncertainty of the bit time at which the last bit of the longest frame is still in place.
@@ -54,7 +56,8 @@ enum Start {
 pub(super) struct ChannelJudge {
     mode: Mode,
     start: Start,
-    shift: u32,
+    grid: Grid,
+    kept_edges_max: usize,
     last: u64,
     level: Logic,
     given_polarity: Option<Polarity>,
@@ -69,15 +72,14 @@ pub(super) struct ChannelJudge {
 pub(super) type ItemSink<'a> = &'a mut dyn FnMut(&Item);
 
 impl ChannelJudge {
-    pub(super) fn new(timebase: Timebase, options: &JudgeOptions) -> Self {
-        let shift = known::tick_shift(timebase);
-        let given = options
-            .bitrate
-            .and_then(|rate| given_timing(timebase, shift, rate, options.data_bitrate));
+    /// For one of `channels` channels that are judged together.
+    pub(super) fn new(grid: Grid, channels: usize, options: &JudgeOptions) -> Self {
+        let given = options.bitrate.and_then(|rate| given_timing(grid, rate, options.data_bitrate));
         Self {
             mode: searching(),
             start: Start::Kept,
-            shift,
+            grid,
+            kept_edges_max: KEPT_EDGES.min(KEPT_EDGES_OF_ALL / channels.max(1)),
             last: 0,
             level: Logic::High,
             given_polarity: options.polarity,
@@ -85,7 +87,7 @@ impl ChannelJudge {
             verdict: None,
             timing: None,
             facts: LineFacts::default(),
-            evidence: Evidence::new(shift),
+            evidence: Evidence::new(grid),
         }
     }
 
@@ -107,16 +109,17 @@ impl ChannelJudge {
         self.timing.map(|(_, polarity)| polarity)
     }
 
-    /// How many bits to the right the ticks of the capture are shifted.
-    pub(super) const fn shift(&self) -> u32 {
-        self.shift
+    /// The ticks that this judge counts in.
+    pub(super) const fn grid(&self) -> Grid {
+        self.grid
     }
 
-    /// Whether so many frames are destroyed that another rate may be on the line.
+    /// Whether frames are destroyed, or off the rate, so that another one may be on the line.
     pub(super) fn has_many_errors(&self) -> bool {
         let counts = &self.evidence.counts;
         let errors = counts.error.saturating_sub(self.evidence.acknowledge_errors);
-        self.timing.is_some() && self.given.is_none() && errors >= 4 && 8 * errors >= counts.good()
+        let strangers = self.evidence.off_rate;
+        self.timing.is_some() && self.given.is_none() && (errors >= 4 || strangers >= 2)
     }
 
     /// Takes what a detector said that saw the whole line.
@@ -139,7 +142,7 @@ impl ChannelJudge {
     /// Reads the capture again from its start, at the rate found.
     pub(super) fn rewind(&mut self) {
         self.facts = LineFacts::default();
-        self.evidence = Evidence::new(self.shift);
+        self.evidence = Evidence::new(self.grid);
         self.start = Start::Kept;
         match self.timing.and_then(|(timing, _)| Decoder::new(&timing)) {
             Some(decoder) => self.mode = Mode::Decoding { decoder: Box::new(decoder) },
@@ -148,7 +151,7 @@ impl ChannelJudge {
     }
 
     pub(super) fn begin(&mut self, at: u64, level: Logic) {
-        let at = at >> self.shift;
+        let at = self.grid.of(at);
         self.last = at;
         self.level = level;
         let bus_level = self.bus_level(level);
@@ -163,10 +166,10 @@ impl ChannelJudge {
 
     pub(super) fn edges(&mut self, times: &[u64], sink: ItemSink<'_>) {
         let scaled;
-        let times = if self.shift == 0 {
+        let times = if self.grid.divisor == 1 {
             times
         } else {
-            scaled = self.scale(times);
+            scaled = self.grid.of_edges(times);
             &scaled
         };
         self.note(times);
@@ -182,7 +185,7 @@ impl ChannelJudge {
                 if let Some(stretch) = kept.last_mut() {
                     stretch.edges.extend_from_slice(times);
                 }
-                if *kept_edges > KEPT_EDGES {
+                if *kept_edges > self.kept_edges_max {
                     self.start = Start::LetGo;
                     *kept_edges = 0;
                     kept.clear();
@@ -198,7 +201,7 @@ impl ChannelJudge {
     }
 
     pub(super) fn end(&mut self, at: u64, sink: ItemSink<'_>) {
-        let at = (at >> self.shift).max(self.last);
+        let at = self.grid.of(at).max(self.last);
         self.advance(at);
         match &mut self.mode {
             Mode::Searching { detector, kept, .. } => {
@@ -255,20 +258,6 @@ impl ChannelJudge {
         self.timing.map_or(Polarity::Normal, |(_, polarity)| polarity).level(level)
     }
 
-    /// Coarser ticks; edges that fall on one tick cancel out in pairs.
-    fn scale(&self, times: &[u64]) -> Vec<u64> {
-        let mut scaled: Vec<u64> = Vec::with_capacity(times.len());
-        for &at in times {
-            let at = at >> self.shift;
-            if scaled.last() == Some(&at) {
-                scaled.pop();
-            } else {
-                scaled.push(at);
-            }
-        }
-        scaled
-    }
-
     /// Facts about the line that hold at any rate.
     fn note(&mut self, times: &[u64]) {
         self.facts.edges += times.len() as u64;
@@ -307,15 +296,10 @@ fn searching() -> Mode {
 }
 
 /// What the user says of the bus, in ticks.
-fn given_timing(
-    timebase: Timebase,
-    shift: u32,
-    bitrate: Bitrate,
-    data: Option<Bitrate>,
-) -> Option<BusTiming> {
-    let ticks_q20 = known::ticks_q20(timebase, shift, bitrate)?;
+fn given_timing(grid: Grid, bitrate: Bitrate, data: Option<Bitrate>) -> Option<BusTiming> {
+    let ticks_q20 = grid.ticks_q20(bitrate)?;
     let data = match data {
-        Some(data) => Some(known::data_timing(ticks_q20, known::ticks_q20(timebase, shift, data)?)),
+        Some(data) => Some(known::data_timing(ticks_q20, grid.ticks_q20(data)?)),
         None => None,
     };
     Some(BusTiming { data, ..BusTiming::classic(ticks_q20) })

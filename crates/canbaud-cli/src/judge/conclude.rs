@@ -14,25 +14,19 @@ use crate::report::{ChannelReport, Outcome, Rate};
 /// Intermission, in bits: belongs to a frame when the load of a bus is told.
 const INTERMISSION_BITS: f64 = 3.0;
 
-/// Ticks of the capture as seconds and bit rates.
+/// Ticks of a judge as seconds and bit rates.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scale {
     timebase: Timebase,
-    shift: u32,
 }
 
 impl Scale {
     pub(super) fn seconds(self, ticks: f64) -> f64 {
-        let per_tick = self.timebase.seconds() as f64 / self.timebase.ticks() as f64;
-        ticks * f64::from(1 << self.shift.min(30)) * per_tick
-    }
-
-    fn millibits(self, bit: BitTime) -> Option<u64> {
-        bit.millibits_per_second(self.timebase).map(|rate| rate >> self.shift)
+        ticks * (self.timebase.seconds() as f64 / self.timebase.ticks() as f64)
     }
 
     pub(super) fn rate(self, bit: BitTime, table: &'static [KnownRate]) -> Option<Rate> {
-        let millibits = self.millibits(bit)?;
+        let millibits = bit.millibits_per_second(self.timebase)?;
         let known = rates::nearest(table, millibits, bit.uncertainty_ppb);
         let rounded = u32::try_from((millibits + 500) / 1000).ok()?;
         Some(Rate {
@@ -48,11 +42,10 @@ impl Scale {
 pub(super) fn report(
     channel: &Channel,
     judge: &mut ChannelJudge,
-    timebase: Timebase,
     notes: &[String],
 ) -> ChannelReport {
     judge.conclude(&mut |_| {});
-    let scale = Scale { timebase, shift: judge.shift() };
+    let scale = Scale { timebase: judge.grid().timebase };
     let evidence = &judge.evidence;
     let good = evidence.counts.good();
     let (nominal, data) = match (judge.is_given(), good) {
@@ -76,6 +69,7 @@ pub(super) fn report(
     let busy = scale.seconds(evidence.busy_ticks as f64)
         + INTERMISSION_BITS * bit_s.unwrap_or(0.0) * good as f64;
     let asymmetry = evidence.nominal.asymmetry_q8() as f64 / 256.0;
+    let resolution = channel.resolution_ticks as f64 / judge.grid().divisor as f64;
     let shortest = judge.facts.shortest.map(|ticks| scale.seconds(ticks as f64));
     let mut report = ChannelReport {
         channel: channel.name.clone(),
@@ -91,10 +85,7 @@ pub(super) fn report(
         bus_load: if duration_s > 0.0 { (busy / duration_s).min(1.0) } else { 0.0 },
         asymmetry_ns: nominal.map(|_| scale.seconds(asymmetry) * 1e9),
         clock_spread_ppm: evidence.clock_spread_ppm(),
-        samples_per_bit: bit_s.map(|bit| {
-            bit / scale
-                .seconds(channel.resolution_ticks as f64 / f64::from(1 << scale.shift.min(30)))
-        }),
+        samples_per_bit: bit_s.map(|bit| bit / scale.seconds(resolution)),
         duration_s,
         edges: judge.facts.edges,
         caveats: Vec::new(),
@@ -133,14 +124,20 @@ fn proven(judge: &ChannelJudge) -> u64 {
     }
 }
 
+/// Chances that were taken until the first frame, in bits, where the detector does not say.
+const CHANCES_BITS: u32 = 5;
+
 /// 2 to the power of minus the bits of proof.
 fn error_probability(judge: &ChannelJudge) -> f64 {
     let found = match judge.verdict() {
         Some(Verdict::Found(found)) => found.proof_bits,
         _ => 0,
     };
-    let bits = judge.evidence.proof_bits.max(found).min(1000);
-    0.5_f64.powi(i32::try_from(bits).unwrap_or(1000))
+    let bits = match judge.evidence.counts.good() {
+        0 | 1 => found,
+        _ => judge.evidence.proof_bits.saturating_sub(CHANCES_BITS).max(found),
+    };
+    0.5_f64.powi(i32::try_from(bits).unwrap_or(1000).min(1000))
 }
 
 /// What an undecided channel lacks.

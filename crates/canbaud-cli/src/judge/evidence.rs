@@ -2,13 +2,14 @@
 
 use std::collections::HashMap;
 
-use canbaud::detect::{Measurement, find_data_rate};
+use canbaud::detect::{BitTime, Measurement, find_data_rate};
 use canbaud::wire::{
-    DataRateWanted, DataTiming, Decoded, ErrorKind, FdCrc, FrameKind, Id, Item, ItemKind, Listener,
-    Received,
+    BusError, DataRateWanted, DataTiming, Decoded, ErrorKind, FdCrc, FrameKind, Id, Item, ItemKind,
+    Listener, Received,
 };
 
 use super::channel::ItemSink;
+use super::known::Grid;
 use crate::report::FrameCounts;
 
 /// Senders whose clocks are told apart; more identifiers share the last one.
@@ -16,9 +17,14 @@ const SENDERS_MAX: usize = 4096;
 /// Proof beyond this many bits adds nothing that a person could tell apart from certainty.
 const PROOF_BITS_MAX: u32 = 1000;
 
+/// Clocks of nodes that can talk to each other differ by less than a 64th.
+const OFF_RATE_SHIFT: u32 = 6;
+/// Fewest ticks a bit (times 2^20) at which one frame tells its bit time that well.
+const OFF_RATE_TICKS_Q20: u64 = 4 << 20;
+
 /// Counts and measures.
 pub(super) struct Evidence {
-    shift: u32,
+    grid: Grid,
     pub(super) counts: FrameCounts,
     pub(super) nominal: Measurement,
     pub(super) data: Measurement,
@@ -28,6 +34,8 @@ pub(super) struct Evidence {
     pub(super) acknowledge_errors: u64,
     pub(super) data_rate_unknown: u64,
     pub(super) truncated: u64,
+    /// Frames whose own bit time lies further off than any clock of a node.
+    pub(super) off_rate: u64,
     pub(super) proof_bits: u32,
     last_frame: Option<Received>,
     senders: HashMap<Id, Measurement>,
@@ -41,9 +49,9 @@ impl FrameCounts {
 }
 
 impl Evidence {
-    pub(super) fn new(shift: u32) -> Self {
+    pub(super) fn new(grid: Grid) -> Self {
         Self {
-            shift,
+            grid,
             counts: FrameCounts::default(),
             nominal: Measurement::default(),
             data: Measurement::default(),
@@ -51,6 +59,7 @@ impl Evidence {
             acknowledge_errors: 0,
             data_rate_unknown: 0,
             truncated: 0,
+            off_rate: 0,
             proof_bits: 0,
             last_frame: None,
             senders: HashMap::new(),
@@ -71,6 +80,14 @@ impl Evidence {
         counts.extended += u64::from(received.frame.id().is_extended());
         counts.unacknowledged += u64::from(!received.acknowledged);
         let fit = decoded.nominal.fit();
+        let off = match (fit.ticks_q20(), self.nominal.bit_time()) {
+            (Some(own), Some(all)) => own.abs_diff(all.ticks_q20) > all.ticks_q20 >> OFF_RATE_SHIFT,
+            _ => false,
+        };
+        // With few ticks a bit, the bit time of one frame is no sharper than that.
+        if off && fit.ticks_q20().is_some_and(|ticks| ticks >= OFF_RATE_TICKS_Q20) {
+            self.off_rate += 1;
+        }
         self.nominal.add_fit(&fit);
         self.data.add(&decoded.data);
         let id = received.frame.id();
@@ -107,18 +124,20 @@ impl Evidence {
     /// Difference between the fastest and the slowest clock among the identifiers, in ppm, as far
     /// as it stands out of the uncertainty of each.
     pub(super) fn clock_spread_ppm(&self) -> Option<f64> {
+        const FRAMES_MIN: u32 = 4;
         const UNCERTAINTY_PPB_MAX: u32 = 30_000;
-        let mut ticks = self
+        let bits: Vec<BitTime> = self
             .senders
             .values()
+            .filter(|sender| sender.frames() >= FRAMES_MIN)
             .filter_map(Measurement::bit_time)
             .filter(|bit| bit.uncertainty_ppb <= UNCERTAINTY_PPB_MAX)
-            .map(|bit| bit.ticks_q20);
-        let first = ticks.next()?;
-        let second = ticks.next()?;
-        let start = (first.min(second), first.max(second));
-        let (low, high) = ticks.fold(start, |(low, high), t| (low.min(t), high.max(t)));
-        Some((high - low) as f64 / low as f64 * 1e6)
+            .collect();
+        let low = bits.iter().min_by_key(|bit| bit.ticks_q20)?;
+        let high = bits.iter().max_by_key(|bit| bit.ticks_q20)?;
+        let spread = (high.ticks_q20 - low.ticks_q20) as f64 / low.ticks_q20 as f64 * 1e6;
+        let noise = f64::from(low.uncertainty_ppb.max(high.uncertainty_ppb)) / 1e3;
+        (bits.len() >= 2 && spread > 4.0 * noise).then_some(spread)
     }
 }
 
@@ -132,8 +151,14 @@ impl Listener for Counting<'_> {
     fn item(&mut self, decoded: &Decoded) {
         self.evidence.item(decoded);
         let item = decoded.item;
-        let shift = self.evidence.shift;
-        (self.sink)(&Item { start: item.start << shift, end: item.end << shift, ..item });
+        let grid = self.evidence.grid;
+        let kind = match item.kind {
+            ItemKind::Error(error) => {
+                ItemKind::Error(BusError { at: grid.back(error.at), ..error })
+            }
+            kind @ (ItemKind::Frame(_) | ItemKind::Overload) => kind,
+        };
+        (self.sink)(&Item { start: grid.back(item.start), end: grid.back(item.end), kind });
     }
 
     fn data_rate(&mut self, wanted: &DataRateWanted<'_>) -> Option<DataTiming> {

@@ -22,6 +22,7 @@ use canbaud_capture::{Capture, CaptureError};
 
 use crate::report::ChannelReport;
 use channel::ChannelJudge;
+use known::Grid;
 use rival::{AllLines, RivalSeeker};
 use sink::{AllChannels, OneChannel, Probe};
 
@@ -41,10 +42,7 @@ pub(crate) fn detect(
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<Vec<ChannelReport>, CaptureError> {
     let wanted = select(capture, options)?;
-    let timebase = capture.timebase();
-    let resolutions: Vec<u64> = capture.channels().iter().map(|c| c.resolution_ticks).collect();
-    let mut judges: Vec<ChannelJudge> =
-        resolutions.iter().map(|_| ChannelJudge::new(timebase, options)).collect();
+    let mut judges = judges(capture, wanted.len(), options);
     let summary = capture.stream(&mut AllChannels { judges: &mut judges, progress })?;
     // A rate that was found only after the first edges were let go: those are read again.
     let again: Vec<usize> = wanted
@@ -66,7 +64,7 @@ pub(crate) fn detect(
     let mut reports = Vec::new();
     for &index in &wanted {
         if let (Some(channel), Some(judge)) = (channels.get(index), judges.get_mut(index)) {
-            let report = conclude::report(channel, judge, timebase, &summary.notes);
+            let report = conclude::report(channel, judge, &summary.notes);
             reports.push((conclude::rank(&report, judge), report));
         }
     }
@@ -94,7 +92,7 @@ fn seek_rivals(
     }
     capture.select(&suspects);
     let mut seekers: Vec<RivalSeeker> =
-        judges.iter().map(|judge| RivalSeeker::new(judge.shift())).collect();
+        judges.iter().map(|judge| RivalSeeker::new(judge.grid())).collect();
     capture.stream(&mut AllLines { lines: &mut seekers })?;
     for (judge, seeker) in judges.iter_mut().zip(&seekers) {
         judge.note_rival(seeker.verdict());
@@ -110,13 +108,16 @@ pub(crate) fn decode(
     sink: &mut dyn FnMut(&Item) -> ControlFlow<()>,
 ) -> Result<ChannelReport, CaptureError> {
     let wanted = select(capture, options)?;
-    let timebase = capture.timebase();
     let index = match wanted[..] {
         [only] => only,
         _ => busiest(capture, options, &wanted)?,
     };
     capture.select(&[index]);
-    let mut judge = ChannelJudge::new(timebase, options);
+    let Some(channel) = capture.channels().get(index).cloned() else {
+        unreachable!("the channel was selected from this list")
+    };
+    let grid = Grid::new(capture.timebase(), channel.resolution_ticks);
+    let mut judge = ChannelJudge::new(grid, 1, options);
     // The rate is found first, so that decoding starts with the first edge.
     {
         let mut probe = Probe::new(index, &mut judge);
@@ -128,10 +129,14 @@ pub(crate) fn decode(
     let mut one = OneChannel { index, judge: &mut judge, sink, flow };
     let summary = capture.stream(&mut one)?;
     one.conclude();
-    let Some(channel) = capture.channels().get(index) else {
-        unreachable!("the channel was selected from this list")
-    };
-    Ok(conclude::report(channel, &mut judge, timebase, &summary.notes))
+    Ok(conclude::report(&channel, &mut judge, &summary.notes))
+}
+
+/// A judge for every channel of which `wanted` are judged.
+fn judges(capture: &Capture, wanted: usize, options: &JudgeOptions) -> Vec<ChannelJudge> {
+    let timebase = capture.timebase();
+    let grids = capture.channels().iter().map(|c| Grid::new(timebase, c.resolution_ticks));
+    grids.map(|grid| ChannelJudge::new(grid, wanted, options)).collect()
 }
 
 /// The channels that are judged.
@@ -158,9 +163,7 @@ fn busiest(
     options: &JudgeOptions,
     wanted: &[usize],
 ) -> Result<usize, CaptureError> {
-    let timebase = capture.timebase();
-    let mut judges: Vec<ChannelJudge> =
-        capture.channels().iter().map(|_| ChannelJudge::new(timebase, options)).collect();
+    let mut judges = judges(capture, wanted.len(), options);
     capture.stream(&mut sink::FirstFrames { judges: &mut judges })?;
     let channels = capture.channels();
     Ok(wanted
@@ -168,7 +171,7 @@ fn busiest(
         .copied()
         .max_by_key(|&index| match (channels.get(index), judges.get_mut(index)) {
             (Some(channel), Some(judge)) => {
-                let report = conclude::report(channel, judge, timebase, &[]);
+                let report = conclude::report(channel, judge, &[]);
                 (conclude::rank(&report, judge), Reverse(index))
             }
             _ => unreachable!("indices come from the list of channels"),

@@ -8,16 +8,17 @@ use canbaud::wire::Logic;
 use canbaud_capture::EdgeSink;
 
 use super::channel::RUNS;
+use super::known::Grid;
 
 /// Runs the detector over a whole line.
 pub(super) struct RivalSeeker {
     detector: Box<PulseDetector<RUNS>>,
-    shift: u32,
+    grid: Grid,
 }
 
 impl RivalSeeker {
-    pub(super) fn new(shift: u32) -> Self {
-        Self { detector: Box::new(PulseDetector::new()), shift }
+    pub(super) fn new(grid: Grid) -> Self {
+        Self { detector: Box::new(PulseDetector::new()), grid }
     }
 
     pub(super) fn verdict(&self) -> Verdict {
@@ -33,14 +34,14 @@ pub(super) struct AllLines<'a> {
 impl EdgeSink for AllLines<'_> {
     fn begin(&mut self, channel: usize, at: u64, level: Logic) {
         if let Some(line) = self.lines.get_mut(channel) {
-            line.detector.begin(at >> line.shift, level);
+            line.detector.begin(line.grid.of(at), level);
         }
     }
 
     fn edges(&mut self, channel: usize, times: &[u64]) -> ControlFlow<()> {
         if let Some(line) = self.lines.get_mut(channel) {
-            for &at in times {
-                line.detector.push(at >> line.shift);
+            for at in line.grid.of_edges(times) {
+                line.detector.push(at);
             }
         }
         ControlFlow::Continue(())
@@ -48,7 +49,7 @@ impl EdgeSink for AllLines<'_> {
 
     fn end(&mut self, channel: usize, at: u64) {
         if let Some(line) = self.lines.get_mut(channel) {
-            line.detector.finish(at >> line.shift);
+            line.detector.finish(line.grid.of(at));
         }
     }
 }
