@@ -1,6 +1,6 @@
 //! Verdict and evidence of one channel to its report.
 
-use canbaud::detect::{BitTime, DataPhase, Measurement, Need, Verdict};
+use canbaud::detect::{BitTime, DataPhase, Measurement, Need, Phase, Verdict};
 use canbaud::rates::{self, KnownRate};
 use canbaud::units::Timebase;
 use canbaud::wire::Polarity;
@@ -61,7 +61,12 @@ pub(super) fn report(
         _ => Outcome::Undecided,
     };
     let other = match judge.verdict() {
-        Some(Verdict::Conflict { second, .. }) => scale.rate(second, rates::nominal()),
+        Some(Verdict::Conflict { phase: Phase::Nominal, second, .. }) => {
+            scale.rate(second, rates::nominal())
+        }
+        Some(Verdict::Conflict { phase: Phase::Data, second, .. }) => {
+            scale.rate(second, rates::data())
+        }
         _ => None,
     };
     let duration_s = scale.seconds(judge.facts.ticks as f64);
@@ -105,7 +110,8 @@ fn measured(judge: &ChannelJudge) -> (Option<BitTime>, Option<BitTime>) {
                 DataPhase::NoFd | DataPhase::NeverSwitched => None,
             },
         ),
-        Some(Verdict::Conflict { first, .. }) => (Some(first), None),
+        Some(Verdict::Conflict { phase: Phase::Nominal, first, .. }) => (Some(first), None),
+        Some(Verdict::Conflict { phase: Phase::Data, first, .. }) => (None, Some(first)),
         _ => (None, None),
     };
     // Of few frames the detector knows more than their sums tell: the bounds of single edges.

@@ -47,7 +47,9 @@ fn headline(report: &ChannelReport) -> String {
             }
         }
         Outcome::Conflict => {
-            let both: Vec<String> = [&report.nominal, &report.other]
+            // Where data rates differ, the nominal one is not in question.
+            let first = report.data.as_ref().or(report.nominal.as_ref());
+            let both: Vec<String> = [first, report.other.as_ref()]
                 .into_iter()
                 .flatten()
                 .map(|rate| bitrate(rate.bitrate))

@@ -4,4 +4,4 @@ mod pulse;
 mod verdict;
 
 pub use pulse::{Measurement, MinimumPulse, PulseDetector, find_data_rate};
-pub use verdict::{BitTime, DataPhase, Found, Need, Verdict};
+pub use verdict::{BitTime, DataPhase, Found, Need, Phase, Verdict};

@@ -75,6 +75,15 @@ pub enum Need {
     AnotherFrame,
 }
 
+/// A part of a frame with a bit time of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// Arbitration, and all of a classic frame.
+    Nominal,
+    /// From the BRS bit to the CRC delimiter of a CAN FD frame.
+    Data,
+}
+
 /// The answer of a detector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
@@ -84,8 +93,10 @@ pub enum Verdict {
     Undecided(Need),
     /// There is no activity.
     NoTraffic,
-    /// Two rates are proven on one line: nominal ones, or at one nominal rate two data rates.
+    /// Two rates are proven on one line.
     Conflict {
+        /// Which bit times differ.
+        phase: Phase,
         /// The rate that proved more frames.
         first: BitTime,
         /// The other one.

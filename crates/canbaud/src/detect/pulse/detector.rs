@@ -6,7 +6,7 @@ use super::places::Places;
 use super::prove::{Idle, Proof, prove, prove_at};
 use super::segment::{Candidate, End, Segmenter};
 use super::{glitch, interval};
-use crate::detect::{BitTime, DataPhase, Found, Need, Verdict};
+use crate::detect::{BitTime, DataPhase, Found, Need, Phase, Verdict};
 use crate::wire::clock::BitClock;
 use crate::wire::reader::{Activity, Rates};
 use crate::wire::{BusTiming, DataTiming, FdCrc, Frame, Logic, Polarity};
@@ -111,7 +111,7 @@ impl<const N: usize> PulseDetector<N> {
             (None, _) => Verdict::Undecided(Need::CleanFrame),
             (Some(leader), Some(rival)) if rival.is_beyond_accident() => {
                 match leader.apart_from(rival) {
-                    Some((first, second)) => Verdict::Conflict { first, second },
+                    Some((phase, first, second)) => Verdict::Conflict { phase, first, second },
                     None => Verdict::Undecided(Need::AnotherFrame),
                 }
             }
@@ -332,13 +332,13 @@ impl Rate {
     }
 
     /// The bit times in which two rates differ: the nominal ones, or else those of the data phase.
-    fn apart_from(&self, other: &Self) -> Option<(BitTime, BitTime)> {
+    fn apart_from(&self, other: &Self) -> Option<(Phase, BitTime, BitTime)> {
         let nominal = (self.nominal.bit_time()?, other.nominal.bit_time()?);
         let near = nominal.0.ticks_q20.abs_diff(nominal.1.ticks_q20)
             <= nominal.0.ticks_q20 >> SAME_RATE_SHIFT;
         match (near, self.data.bit_time(), other.data.bit_time()) {
-            (true, Some(first), Some(second)) => Some((first, second)),
-            _ => Some(nominal),
+            (true, Some(first), Some(second)) => Some((Phase::Data, first, second)),
+            _ => Some((Phase::Nominal, nominal.0, nominal.1)),
         }
     }
 
