@@ -266,10 +266,16 @@ impl ChannelJudge {
             self.last = last;
             return;
         }
+        // The run before the first edge began before the recording.
+        let mut whole = self.facts.edges > times.len() as u64;
         for &at in times {
             let run = at.saturating_sub(self.last);
             self.advance(at);
-            self.facts.shortest = Some(self.facts.shortest.map_or(run, |known| known.min(run)));
+            if whole {
+                let shortest = self.facts.shortest.map_or(run, |known| known.min(run));
+                self.facts.shortest = Some(shortest);
+            }
+            whole = true;
             self.level = self.level.toggled();
         }
     }

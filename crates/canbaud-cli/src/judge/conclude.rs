@@ -146,6 +146,9 @@ fn error_probability(judge: &ChannelJudge) -> f64 {
     0.5_f64.powi(i32::try_from(bits).unwrap_or(1000).min(1000))
 }
 
+/// Half a bit at 8 Mbit/s.
+const FINE_ENOUGH_S: f64 = 62.5e-9;
+
 /// What an undecided channel lacks.
 fn need(judge: &ChannelJudge, scale: Scale, shortest_s: Option<f64>, duration_s: f64) -> String {
     let coarse = judge.facts.shortest.is_some_and(|ticks| ticks <= 2);
@@ -171,6 +174,11 @@ fn need(judge: &ChannelJudge, scale: Scale, shortest_s: Option<f64>, duration_s:
             "one frame fits a rate, but proves too little: capture another, different frame"
                 .to_owned()
         }
+        Some(Verdict::Undecided(Need::CompleteFrame)) if duration_s > 4.0 * frame_s => {
+            "no complete frame between two stretches of idle: a stuck line or no CAN bus; check \
+             the probe"
+                .to_owned()
+        }
         Some(Verdict::Undecided(Need::CompleteFrame)) => {
             let more = (frame_s - duration_s).max(frame_s / 2.0);
             format!(
@@ -178,15 +186,11 @@ fn need(judge: &ChannelJudge, scale: Scale, shortest_s: Option<f64>, duration_s:
                 milliseconds(more)
             )
         }
-        _ if coarse => match shortest_s {
-            Some(bit) if bit > 0.0 => {
-                format!(
-                    "the edges are too coarse for any bit rate: sample at >= {}",
-                    hertz(8.0 / bit)
-                )
-            }
-            _ => "the edges are too coarse for any bit rate: sample faster".to_owned(),
-        },
+        // A recorder that resolves 8 Mbit/s is fine enough for any bus.
+        _ if coarse && shortest_s.is_some_and(|bit| bit > FINE_ENOUGH_S) => format!(
+            "no frame fits, and runs of one or two samples may be bits: sample at >= {}",
+            hertz(8.0 / shortest_s.unwrap_or(1.0))
+        ),
         _ => "no frame with a right CRC at any bit rate: noise, another kind of bus, or a poor \
               contact; check the probe and capture again"
             .to_owned(),
