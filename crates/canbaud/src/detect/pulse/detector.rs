@@ -3,7 +3,7 @@
 use super::lattice::Stray;
 use super::measure::{Measurement, pool};
 use super::places::Places;
-use super::prove::{Idle, Proof, prove, prove_at};
+use super::prove::{Idle, Proof, SAME_RATE_SHIFT, prove, prove_at};
 use super::segment::{Candidate, End, Segmenter};
 use super::{glitch, interval};
 use crate::detect::{BitTime, DataPhase, Found, Need, Phase, Verdict};
@@ -21,8 +21,6 @@ const SWITCHED_UNCERTAINTY_MAX_PPB: u32 = 5_000_000;
 const RIVAL_BITS_MIN: u32 = 25;
 /// Or this many that may be alike.
 const RIVAL_FRAMES_MIN: u32 = 4;
-/// Two bit times closer than this share of one another are the same rate: 1/64.
-const SAME_RATE_SHIFT: u32 = 6;
 
 /// Finds and proves the bit rate of a bus from its edges. `N` is the number of runs that it can
 /// hold: 160 for any classic frame and the short CAN FD frames, 800 for all.

@@ -13,6 +13,9 @@ use crate::wire::{FdCrc, Received};
 /// Most bit times tried for one frame.
 const PROPOSALS_MAX: usize = 48;
 
+/// Two bit times closer than this share of one another are the same rate: 1/64.
+pub(super) const SAME_RATE_SHIFT: u32 = 6;
+
 /// The idle around a frame, in ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Idle {
@@ -124,11 +127,28 @@ fn first_right(
     proposals: &Proposals,
     compared: &mut u32,
 ) -> Option<Proof> {
-    proposals.iter().filter(|bit_q20| idle.suits(*bit_q20)).find_map(|bit_q20| {
-        let nominal = BitClock::new(bit_q20)?;
+    let mut chances = [0_u32; PROPOSALS_MAX];
+    for (index, bit_q20) in proposals.iter().enumerate() {
+        let Some(nominal) = BitClock::new(bit_q20).filter(|_| idle.suits(bit_q20)) else {
+            continue;
+        };
+        let before = *compared;
         let rates = Rates { nominal, data: None, fd_crc: FdCrc::Iso, late_ticks_q20: 0 };
-        prove_at(activity, &rates, compared)
-    })
+        let proof = prove_at(activity, &rates, compared);
+        if let Some(slot) = chances.get_mut(index) {
+            *slot = *compared - before;
+        }
+        if let Some(proof) = proof {
+            // An accident at nearly the same bit time would be no wrong rate.
+            let near = proposals
+                .iter()
+                .zip(chances)
+                .filter(|(other, _)| other.abs_diff(bit_q20) <= bit_q20 >> SAME_RATE_SHIFT);
+            let harmless: u32 = near.map(|(_, count)| count).sum();
+            return Some(Proof { compared: *compared + 1 - harmless, ..proof });
+        }
+    }
+    None
 }
 
 /// Reads `activity` at `rates` in every placement; finds the data rate if the frame asks for it.
