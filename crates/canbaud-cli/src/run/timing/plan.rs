@@ -226,7 +226,10 @@ fn several(
             solved.nominal.rate.divisor(),
             PwmLimits::SIX_BITS,
         );
-        configuration.pwm = coding.ok();
+        match coding {
+            Ok(coding) => configuration.pwm = Some(coding),
+            Err(error) => eprintln!("canbaud: the XL data phase stays without PWM: {error}"),
+        }
     }
     let mut phases = vec![PhaseAnswer {
         phase: Phase::Nominal,
