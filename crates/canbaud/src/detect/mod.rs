@@ -1,6 +1,7 @@
 //! From edges to a verdict about the bit rate.
 
 mod pulse;
+pub mod scan;
 mod verdict;
 
 pub use pulse::{Measurement, MinimumPulse, PulseDetector, find_data_rate};
