@@ -67,7 +67,7 @@ enum Entry {
 pub(crate) fn adapters(args: &AdaptersArgs) -> Exit {
     let entries = match entries(args) {
         Ok(entries) => entries,
-        Err(error) => return link_error("interfaces", &error),
+        Err(error) => return link_error(&error),
     };
     let mut text = String::new();
     for entry in &entries {

@@ -6,8 +6,8 @@ use crate::exit::Exit;
 use crate::printable::printable;
 
 /// Says it and gives the exit code.
-pub(crate) fn link_error(source: &str, error: &LinkError) -> Exit {
-    eprintln!("canbaud: {source}: {}", printable(&error.to_string()));
+pub(crate) fn link_error(error: &LinkError) -> Exit {
+    eprintln!("canbaud: {}", printable(&error.to_string()));
     if let Some(hint) = hint(error) {
         eprintln!("  hint: {}", printable(&hint));
     }

@@ -59,10 +59,12 @@ pub(crate) fn live(args: &DetectArgs, source: &LiveSource, color: When) -> Exit 
     let finding = Finding { clock, stop: &stop, limit: args.live.limit() };
     let ended = finding.run(&mut *listener, &plan, &mut watch);
     watch.finish();
+    // What is gone cannot be put back, and that was said already.
+    let gone = matches!(ended, Err(LinkError::Gone { .. }));
     let exit = conclude(args, source, color, &mut *listener, ended);
     match listener.restore() {
-        Ok(()) => exit,
-        Err(error) => exit.max(fail(args, source, &error)),
+        Err(error) if !gone => exit.max(fail(args, source, &error)),
+        Ok(()) | Err(_) => exit,
     }
 }
 
@@ -141,5 +143,5 @@ fn fail(args: &DetectArgs, source: &LiveSource, error: &LinkError) -> Exit {
         // Whoever reads is told on the standard error, too.
         let _ = io::stdout().lock().write_all(line.as_bytes());
     }
-    link_error(&source.to_string(), error)
+    link_error(error)
 }

@@ -13,7 +13,7 @@ use super::source::LiveSource;
 use crate::args::DetectArgs;
 use crate::output::{bitrate, count, live_json};
 
-/// The line of a person changes this often.
+/// A person's line changes, and evidence is told, this often at most.
 const REFRESH: Micros = Micros::from_ms(100);
 
 /// Who looks.
@@ -108,12 +108,14 @@ impl Watch {
             }
         }
         if let (Viewer::Program, Some(standing)) = (&self.viewer, standing)
+            && (changed || now >= self.refresh)
             && evidence(&standing) != self.standing.as_ref().map_or([0; 3], evidence)
         {
             let mut line = String::new();
             live_json::push_evidence(&mut line, now, &standing);
             emit(&line);
             self.standing = Some(standing);
+            self.refresh = now + REFRESH;
         }
         if let Viewer::Person(bar) = &self.viewer
             && (changed || now >= self.refresh)
