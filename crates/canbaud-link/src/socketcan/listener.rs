@@ -226,7 +226,7 @@ fn rate_alone(rate: Bitrate) -> TimingInfo {
 fn wide(timing: TimingInfo, limits: &TimingConst) -> Option<TimingInfo> {
     let quanta = timing.quanta();
     let longest = limits.tseg2.1.min((quanta - 1) / 2);
-    let tseg2 = longest.max((quanta - 1).checked_sub(limits.tseg1.1)?);
+    let tseg2 = longest.max((quanta - 1).saturating_sub(limits.tseg1.1));
     let tseg1 = (quanta - 1).checked_sub(tseg2)?;
     let fits = (limits.tseg1.0..=limits.tseg1.1).contains(&tseg1)
         && (limits.tseg2.0..=limits.tseg2.1).contains(&tseg2);

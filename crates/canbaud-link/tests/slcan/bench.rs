@@ -140,7 +140,7 @@ pub(crate) fn scan(
             Progress::Done(outcome) => return Ok(outcome),
             Progress::Listening(until) => {
                 let left = until.map_or(20_000, |at| (at - clock.now()).0).min(20_000);
-                driver.controller().wait(Duration::from_micros(left))?;
+                driver.controller_mut().wait(Duration::from_micros(left))?;
             }
         }
     }

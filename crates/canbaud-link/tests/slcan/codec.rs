@@ -132,7 +132,7 @@ proptest! {
         let mut lines = Lines::new();
         for byte in bytes {
             if let Some(Line::Text(line)) = lines.push(byte) {
-                Record::parse(line);
+                let _ = Record::parse(line);
             }
         }
     }
@@ -151,6 +151,6 @@ proptest! {
         texts in prop::array::uniform4(prop::collection::vec(any::<u8>(), 0..80)),
     ) {
         let [version, detail, serial, controller] = &texts;
-        Firmware::identify(&Answers { confirms, version, detail, serial, controller });
+        let _ = Firmware::identify(&Answers { confirms, version, detail, serial, controller });
     }
 }

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use canbaud_link::slcan::{SilentMode, SlcanListener};
 use canbaud_link::{Clock, LinkError};
+use canbaud_sim::Span;
 use canbaud_sim::slcan::Pty;
 
 use crate::bench::{Bench, Setup, scan};
@@ -68,8 +69,9 @@ impl Liar {
 fn unplugged_in_mid_scan_is_an_error_and_no_hang() {
     for after in [400, 700] {
         let unplug_after = Some(Duration::from_millis(after));
-        // Nobody talks at these rates: the scan goes on until the adapter is gone.
-        let bench = Bench::start(Setup { unplug_after, ..Setup::at(250_000) });
+        // Nobody talks: the scan goes on until the adapter is gone.
+        let period = Span::from_ms(60_000);
+        let bench = Bench::start(Setup { unplug_after, period, ..Setup::at(250_000) });
         let clock = Clock::start();
         let began = Instant::now();
         let opened = SlcanListener::open(&bench.port, 115_200, SilentMode::Refused, clock);
@@ -147,7 +149,8 @@ fn unplugged_while_it_is_asked_who_it_is() {
         let mut done = false;
         let liar = Liar::start(move |command| {
             done |= command == gone_at;
-            (!done).then(|| b"V1013\r".to_vec())
+            let said = if command == "C" { "" } else { "V1013" };
+            (!done).then(|| format!("{said}\r").into_bytes())
         });
         let error = liar.open().unwrap_err();
         assert!(matches!(error, LinkError::Gone { .. }), "{gone_at}: {error}");

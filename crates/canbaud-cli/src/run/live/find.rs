@@ -107,7 +107,7 @@ impl Finding<'_> {
             }
             let nearest = [until, self.limit].into_iter().flatten().min();
             let left = nearest.map_or(SLICE, |at| Duration::from_micros((at - now).0));
-            driver.controller().wait(left.min(SLICE))?;
+            driver.controller_mut().wait(left.min(SLICE))?;
         };
         let status = driver.scan().status(clock.now());
         let tried = driver.scan().standings().filter(|one| one.visits > 0 || one.refused).collect();
