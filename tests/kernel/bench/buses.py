@@ -1,8 +1,8 @@
 """Buses as scenarios of `canbaud simulate`; the adapter is always the node "tester"."""
 
 
-def bus(bitrate, period="20ms", clock="80M"):
-    """Two nodes that acknowledge each other, one frame per `period`, `period` None: silence."""
+def bus(bitrate, period="20ms"):
+    """Two nodes that acknowledge each other; a frame per `period` on average, None: silence."""
     text = f"""title = "a bus of {bitrate} bit/s"
 duration = "30min"
 seed = 1
@@ -20,7 +20,7 @@ ppm = -100
 [[node]]
 name = "tester"
 bitrate = "{bitrate}"
-clock = "{clock}"
+monitoring_counters = "counting"
 """
     if period:
         text += f"""

@@ -8,7 +8,7 @@ use canbaud_sim::{BitTiming, Blind, Event, Mode, NodeConfig, NodeId, Oscillator,
 
 use crate::descriptors;
 use crate::gs_usb::{self, HostFrame, Request, feature};
-use crate::reports::Reports;
+use crate::reports::{Level, Reports};
 use crate::usbip::{Reply, Setup};
 
 /// Frames that wait for the host, as in candleLight.
@@ -38,6 +38,7 @@ pub(super) struct Device {
     overflow: bool,
     /// The error of this slice: firmware looks at its error register now and then.
     error: Option<HostFrame>,
+    level: Level,
     echoes: VecDeque<u32>,
     /// Frames and errors since the start, and how often TXD had been dominant at the start.
     heard: (u64, u64, u64),
@@ -67,6 +68,7 @@ impl Device {
             last: VecDeque::new(),
             overflow: false,
             error: None,
+            level: Level::default(),
             echoes: VecDeque::new(),
             heard: (0, 0, 0),
             disturbs: false,
@@ -150,6 +152,7 @@ impl Device {
         self.queue.clear();
         self.echoes.clear();
         self.error = None;
+        self.level = Level::default();
         Some(())
     }
 
@@ -217,8 +220,15 @@ impl Device {
                     self.enqueue(self.stamp(at), HostFrame::echo(echo_id));
                 }
             }
-            Event::Error { kind, .. } => {
+            Event::Counted { tec, rec, .. } if Level::of(*rec) != self.level => {
+                self.level = Level::of(*rec);
+                self.enqueue(self.stamp(at), self.level.report((*tec, *rec)));
+            }
+            Event::Error { kind, place, .. } => {
                 self.heard.1 += 1;
+                let berr = flags & feature::BERR_REPORTING != 0;
+                let report = self.firmware.reports.report(*kind, *place, self.counters(), berr);
+                self.error = report.or(self.error.take());
                 if self.config.mode == Mode::Normal && !self.disturbs {
                     self.disturbs = true;
                     println!("bus disturbed: error flag ({kind}) at {} bit/s", self.bitrate());
@@ -226,9 +236,6 @@ impl Device {
             }
             _ => {}
         }
-        let berr = flags & feature::BERR_REPORTING != 0;
-        let report = self.firmware.reports.report(event, self.counters(), berr);
-        self.error = report.or(self.error.take());
     }
 
     fn enqueue(&mut self, stamp: u32, frame: HostFrame) {

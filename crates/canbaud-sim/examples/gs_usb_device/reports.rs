@@ -1,10 +1,10 @@
 //! Which bus errors the firmware tells, and how: firmwares differ.
 
-use canbaud_sim::{ErrorKind, Event, Place};
+use canbaud_sim::{ErrorKind, Place};
 
 use crate::gs_usb::{HostFrame, can};
 
-/// When the firmware sends an error frame.
+/// When the firmware sends an error frame for an error on the bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Reports {
     /// Each error, if the host has switched berr-reporting on and a counter is not zero
@@ -12,7 +12,7 @@ pub(super) enum Reports {
     OnRequest,
     /// Each error, always.
     Always,
-    /// Only when the receive error counter comes to its limits (candleLight of 2022).
+    /// None; as all firmwares, it tells when a counter comes to a limit (candleLight of 2022).
     States,
 }
 
@@ -26,42 +26,56 @@ impl Reports {
         })
     }
 
-    /// The error frame for what happened in the node, if there is one. `berr` is whether the host
-    /// asked for errors.
+    /// The error frame for an error in the node, if there is one. `berr` is whether the host asked
+    /// for errors.
     pub(super) fn report(
         self,
-        event: &Event,
+        kind: ErrorKind,
+        place: Place,
         counters: (u16, u16),
         berr: bool,
     ) -> Option<HostFrame> {
-        let (tec, rec) = counters;
-        match (self, event) {
-            (Self::OnRequest, Event::Error { kind, place, .. }) if berr && (tec, rec) != (0, 0) => {
-                Some(protocol_error(*kind, *place, counters))
-            }
-            (Self::Always, Event::Error { kind, place, .. }) => {
-                Some(protocol_error(*kind, *place, counters))
-            }
-            (_, Event::Counted { rec, .. }) => limit(*rec).map(|detail| {
-                let data = [0, detail, 0, 0, 0, 0, low(tec), low(*rec)];
-                HostFrame::error(can::ERR_CRTL | can::ERR_CNT, data)
-            }),
-            _ => None,
+        let told = match self {
+            Self::OnRequest => berr && counters != (0, 0),
+            Self::Always => true,
+            Self::States => false,
+        };
+        told.then(|| protocol_error(kind, place, counters))
+    }
+}
+
+/// Where the receive error counter is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Level {
+    #[default]
+    Active,
+    Warning,
+    Passive,
+}
+
+impl Level {
+    pub(super) const fn of(rec: u16) -> Self {
+        match rec {
+            0..96 => Self::Active,
+            96..128 => Self::Warning,
+            128.. => Self::Passive,
         }
+    }
+
+    /// The error frame of a change to this level.
+    pub(super) fn report(self, (tec, rec): (u16, u16)) -> HostFrame {
+        let detail = match self {
+            Self::Active => 0x40,
+            Self::Warning => 0x04,
+            Self::Passive => 0x10,
+        };
+        let data = [0, detail, 0, 0, 0, 0, low(tec), low(rec)];
+        HostFrame::error(can::ERR_CRTL | can::ERR_CNT, data)
     }
 }
 
 fn low(counter: u16) -> u8 {
     u8::try_from(counter).unwrap_or(u8::MAX)
-}
-
-/// `data[1]` when the receive error counter has just come to a limit.
-const fn limit(rec: u16) -> Option<u8> {
-    match rec {
-        96 => Some(0x04),
-        128 => Some(0x10),
-        _ => None,
-    }
 }
 
 fn protocol_error(kind: ErrorKind, place: Place, (tec, rec): (u16, u16)) -> HostFrame {
