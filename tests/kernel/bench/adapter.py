@@ -1,7 +1,8 @@
-"""The far end of the guest's serial line: a virtual slcan adapter, and a witness of every command.
+"""The far end of the guest's serial line: a virtual slcan adapter, and two witnesses.
 
-The adapter is `canbaud simulate --slcan`, one process per bus. The guest's line stays the same over
-many buses: a relay stands between the two, and notes what the guest's driver really asks for.
+The adapter is `canbaud simulate --slcan`, one process per bus; it logs what it did to the bus. The
+guest's line stays the same over many buses: a relay stands between the two, and notes what the
+guest's driver really asks for.
 """
 
 import os
@@ -13,7 +14,9 @@ import time
 import tty
 
 # What an adapter may be told without disturbing a bus: set-up, listen-only, questions.
-HARMLESS = set("CSsLFVvNMmZWXUQEY")
+HARMLESS = set("CSsLFVvNmZWXUQEY")
+# In the log of the adapter: it took part, sent, or was not silent.
+DISTURBING = ("open normal", "open loopback", ": sent", " ! ")
 
 
 class SlcanAdapter:
@@ -29,6 +32,7 @@ class SlcanAdapter:
         self.simulator = None
         self.device = None
         self.log = None
+        self.deeds = os.devnull
         self.commands = []
         self.partial = b""
         self.wake, self.woken = os.pipe()
@@ -42,7 +46,8 @@ class SlcanAdapter:
             file.write(bus)
         errors = open(f"{self.logs}/{name}.simulator", "wb")
         simulator = subprocess.Popen(
-            [self.canbaud, "simulate", scenario, "--slcan", "tester", *options],
+            [self.canbaud, "simulate", scenario, "--slcan", "tester", *options,
+             "--log", f"{self.logs}/{name}.adapter"],
             stdout=subprocess.PIPE,
             stderr=errors,
         )
@@ -56,7 +61,8 @@ class SlcanAdapter:
         tty.setraw(device)
         with self.lock:
             self.simulator, self.device = simulator, device
-            self.log = open(f"{self.logs}/{name}.adapter", "w", encoding="utf-8")
+            self.log = open(f"{self.logs}/{name}.line", "w", encoding="utf-8")
+            self.deeds = f"{self.logs}/{name}.adapter"
             self.began = time.monotonic()
             self.commands, self.partial = [], b""
         os.write(self.woken, b"x")
@@ -81,8 +87,11 @@ class SlcanAdapter:
             return list(self.commands)
 
     def disturbing(self):
-        """The commands that open the channel to take part, or send."""
-        return [command for command in self.heard() if command[0] not in HARMLESS]
+        """What the adapter was told that is not only listening, and what it did to the bus."""
+        told = [command for command in self.heard() if command[0] not in HARMLESS]
+        with open(self.deeds, encoding="utf-8") as log:
+            lines = log.read().splitlines()
+        return told + [line for line in lines if any(deed in line for deed in DISTURBING)]
 
     def _relay(self):
         while True:

@@ -26,7 +26,7 @@ class SlcanBench(Bench):
 
     def plug(self, bus, *options):
         self.unplug()
-        self.adapter.plug(self.report.scenario, bus, options)
+        self.adapter.plug(self.report.scenario, bus, options or ["--errors", "records"])
         result = self.sh(
             "slcand -F ttyS0 can0 >/run/slcand.log 2>&1 &\n"
             "echo $! >/run/slcand.pid\n"
