@@ -16,7 +16,7 @@ import tty
 # What an adapter may be told without disturbing a bus: set-up, listen-only, questions.
 HARMLESS = set("CSsLFVvNmZWXUQEY")
 # In the log of the adapter: it took part, sent, or was not silent.
-DISTURBING = ("open normal", "open loopback", ": sent", " ! ")
+DISTURBING = (": open normal", ": open loopback", ": sent", " ! ")
 
 
 class SlcanAdapter:
@@ -91,7 +91,9 @@ class SlcanAdapter:
         told = [command for command in self.heard() if command[0] not in HARMLESS]
         with open(self.deeds, encoding="utf-8") as log:
             lines = log.read().splitlines()
-        return told + [line for line in lines if any(deed in line for deed in DISTURBING)]
+        # Without the times: one line for each kind of deed is enough.
+        deeds = [line.split(" ", 1)[1] for line in lines if any(deed in line for deed in DISTURBING)]
+        return list(dict.fromkeys(told + deeds))
 
     def _relay(self):
         while True:

@@ -11,7 +11,9 @@ CANDUMP = "candump -x -e can0,0:0,#FFFFFFFF"
 class Bench:
     """One boot of one kernel. A bench of its own says how to boot and how to plug in a bus."""
 
+    # Of its logs; the kernel's driver.
     name = ""
+    driver = ""
 
     def __init__(self, logs, report):
         self.logs = f"{logs}/{self.name}"

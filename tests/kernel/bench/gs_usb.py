@@ -8,6 +8,7 @@ from .bench import Bench
 
 class GsUsbBench(Bench):
     name = "gs_usb"
+    driver = "gs_usb"
 
     def __init__(self, version, kernel, canbaud, device, logs, report):
         self.name = f"gs_usb-{version}"

@@ -9,6 +9,7 @@ from .bench import Bench
 
 class SlcanBench(Bench):
     name = "slcan"
+    driver = "slcan"
 
     def __init__(self, canbaud, logs, report):
         super().__init__(logs, report)
