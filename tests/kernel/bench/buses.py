@@ -41,3 +41,11 @@ dlc = 4
 payload = "counter"
 """
     return text
+
+
+def fd_bus(bitrate, data_bitrate, period="20ms"):
+    """The same in CAN FD frames with rate switch, and classic ones between."""
+    text = bus(bitrate, period).replace(
+        f'bitrate = "{bitrate}"\n', f'bitrate = "{bitrate}"\ndata_bitrate = "{data_bitrate}"\n'
+    )
+    return text.replace("dlc = 8\n", 'dlc = 11\nformat = "fd-brs"\n')

@@ -1,6 +1,7 @@
 """Scenarios for the kernel's gs_usb driver alone."""
 
-from .buses import bus
+from .buses import bus, fd_bus
+from .scenarios_live import detect, finds, found
 
 
 def gs_usb_facts(bench):
@@ -48,4 +49,65 @@ def gs_usb_witness(bench):
                        "normal mode at a wrong rate is noticed", told)
 
 
-ALL = [gs_usb_facts, gs_usb_witness]
+def gs_usb_firmwares(bench):
+    """Firmwares differ in what they tell of a wrong rate."""
+    for reports in ("always", "states"):
+        bench.plug(bus(125_000), "--reports", reports)
+        finds(bench, 125_000)
+        bench.never_disturbed()
+
+
+def gs_usb_odd_rate(bench):
+    """83.333 kbit/s, which this driver can be set to."""
+    bench.plug(bus(83_333))
+    finds(bench, 83_333)
+    bench.never_disturbed()
+
+
+def gs_usb_without_listen_only(bench):
+    """An adapter that cannot listen is refused: exit 7, the reason, and never opened."""
+    bench.plug(bus(125_000), "--without", "listen-only")
+    result = detect(bench)
+    bench.report.check(result.status == 7 and "listen" in result.output,
+                       "refused", f"status {result.status}\n{result.output}")
+    bench.report.equal(bench.told(), ["attached"], "never opened")
+
+
+def gs_usb_stale_frames(bench):
+    """Frames that the adapter kept from before the change of rate prove nothing."""
+    bench.plug(bus(250_000), "--stale", "3")
+    bench.set_up(250_000)
+    bench.heard()
+    bench.down()
+    result = detect(bench, "--rates 500k,125k --timeout 5s")
+    bench.report.check(result.status in (3, 4) and found(result.output) is None,
+                       "no verdict", f"status {result.status}\n{result.output}")
+    bench.never_disturbed()
+
+
+def gs_usb_fd(bench):
+    """CAN FD: the nominal rate first, then the data rate."""
+    bench.plug(fd_bus(500_000, 2_000_000), "--fd")
+    result = finds(bench, 500_000)
+    bench.report.check("data 2 Mbit/s" in result.output, "and the data rate", result.output)
+    bench.never_disturbed()
+
+
+def gs_usb_fd_heard_by_classic(bench):
+    """A classic controller on a CAN FD bus: the nominal rate, and what kind of bus it is."""
+    bench.plug(fd_bus(500_000, 2_000_000))
+    result = detect(bench)
+    bench.report.check("FD" in result.output, "says that there are CAN FD frames", result.output)
+    bench.never_disturbed()
+
+
+ALL = [
+    gs_usb_facts,
+    gs_usb_witness,
+    gs_usb_firmwares,
+    gs_usb_odd_rate,
+    gs_usb_without_listen_only,
+    gs_usb_stale_frames,
+    gs_usb_fd,
+    gs_usb_fd_heard_by_classic,
+]

@@ -1,9 +1,7 @@
 """Scenarios for the kernel's slcan driver alone."""
 
 from .buses import bus
-
-# The rates that the kernel's slcan driver knows.
-RATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000)
+from .scenarios_live import detect, finds, found
 
 
 def slcan_facts(bench):
@@ -55,4 +53,21 @@ def slcan_witness(bench):
                        "normal mode at a wrong rate is noticed", told)
 
 
-ALL = [slcan_facts, slcan_witness]
+def slcan_silent_firmware(bench):
+    """An adapter that reports no errors: only frames tell."""
+    bench.plug(bus(125_000), "--errors", "silent")
+    finds(bench, 125_000)
+    bench.never_disturbed()
+
+
+def slcan_without_l(bench):
+    """Trap 4: a CANable 1.x ignores L and stays closed: no verdict, and a hint."""
+    bench.plug(bus(125_000), "--firmware", "canable1")
+    result = detect(bench, "--timeout 3s")
+    bench.report.check(result.status in (3, 4) and found(result.output) is None,
+                       "no verdict", f"status {result.status}\n{result.output}")
+    bench.report.check("slcan:" in result.output, "points to the serial port", result.output)
+    bench.never_disturbed()
+
+
+ALL = [slcan_facts, slcan_witness, slcan_silent_firmware, slcan_without_l]

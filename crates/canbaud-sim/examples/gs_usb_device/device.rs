@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::error::Error;
 
 use canbaud_sim::scenario::{Run, Scenario};
-use canbaud_sim::{BitTiming, Blind, Event, Mode, NodeConfig, NodeId, Oscillator, Time};
+use canbaud_sim::{BitTiming, Blind, Event, FdSupport, Mode, NodeConfig, NodeId, Oscillator, Time};
 
 use crate::descriptors;
 use crate::gs_usb::{self, HostFrame, Request, feature};
@@ -128,6 +128,11 @@ impl Device {
     fn start(&mut self, flags: u32) -> Option<()> {
         let listens = flags & self.firmware.features & feature::LISTEN_ONLY != 0;
         self.config.mode = if listens { Mode::BusMonitoring } else { Mode::Normal };
+        self.config.fd = match (self.firmware.features & feature::FD, flags & feature::FD) {
+            (0, _) => FdSupport::None,
+            (_, 0) => FdSupport::Tolerant,
+            _ => FdSupport::Enabled,
+        };
         let now = self.run.sim().now();
         self.run.sim_mut().reconfigure_at(now, self.node, self.config.clone()).ok()?;
         self.flags = Some(flags);
