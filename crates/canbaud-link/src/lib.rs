@@ -16,7 +16,7 @@ pub mod bus;
 mod clock;
 mod error;
 mod listener;
-//SLCAN
+pub mod slcan;
 #[cfg(target_os = "linux")]
 pub mod socketcan;
 
