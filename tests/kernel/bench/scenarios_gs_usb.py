@@ -1,7 +1,7 @@
 """Scenarios for the kernel's gs_usb driver alone."""
 
 from .buses import bus, fd_bus
-from .scenarios_live import detect, finds, found
+from .scenarios_live import detect, finds, found, puts_back
 
 
 def gs_usb_facts(bench):
@@ -101,6 +101,19 @@ def gs_usb_fd_heard_by_classic(bench):
     bench.never_disturbed()
 
 
+FINE_STATES = {
+    "segments": "ip link set can0 type can tq 125 prop-seg 6 phase-seg1 5 phase-seg2 4 sjw 3",
+    "CAN FD": "ip link set can0 type can bitrate 500000 sample-point 0.8 sjw 2 "
+              "dbitrate 2000000 dsample-point 0.7 fd on && ip link set can0 up",
+}
+
+
+def gs_usb_puts_back_the_timing(bench):
+    """Sample points, segments, SJW and the data phase are those that were set."""
+    for state, setup in FINE_STATES.items():
+        puts_back(bench, state, setup, "SIGTERM", "--fd")
+
+
 ALL = [
     gs_usb_facts,
     gs_usb_witness,
@@ -110,4 +123,5 @@ ALL = [
     gs_usb_stale_frames,
     gs_usb_fd,
     gs_usb_fd_heard_by_classic,
+    gs_usb_puts_back_the_timing,
 ]

@@ -50,10 +50,10 @@ def finds_the_rate(bench):
         bench.never_disturbed()
 
 
-def puts_back(bench, state, setup, ending):
+def puts_back(bench, state, setup, ending, *options):
     """Sets can0 up, ends a scan of a silent bus in some way, and compares."""
     script, wanted = ENDINGS[ending]
-    bench.plug(bus(250_000, period=None))
+    bench.plug(bus(250_000, period=None), *options)
     if bench.sh(setup).status != 0:
         raise RuntimeError(f"cannot set up: {setup}")
     opened = bench.disturbing()

@@ -39,11 +39,16 @@ class SlcanBench(Bench):
         if result.status != 0:
             raise RuntimeError(f"slcand does not attach: {result.output}")
 
-    def unplug(self):
+    def detach(self):
+        """Takes the driver off the serial port; the adapter stays."""
         self.sh(
             "pid=$(cat /run/slcand.pid 2>/dev/null) && kill $pid && sleep 0.3\n"
-            "while ip link show can0 >/dev/null 2>&1; do sleep 0.1; done"
+            "while ip link show can0 >/dev/null 2>&1; do sleep 0.1; done\n"
+            "rm -f /run/slcand.pid"
         )
+
+    def unplug(self):
+        self.detach()
         self.adapter.unplug()
 
     def disturbing(self):
