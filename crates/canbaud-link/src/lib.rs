@@ -22,4 +22,4 @@ pub mod socketcan;
 
 pub use clock::Clock;
 pub use error::{ErrorKind, LinkError};
-pub use listener::Listener;
+pub use listener::{After, Listener};

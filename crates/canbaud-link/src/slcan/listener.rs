@@ -305,6 +305,9 @@ impl Controller for SlcanListener {
 
 impl Listener for SlcanListener {
     fn wait(&mut self, timeout: Duration) -> Result<(), LinkError> {
+        if self.channel.has_news() {
+            return Ok(());
+        }
         let polled = self.firmware.error_flag().is_some() || self.fetches == Fetches::Yes;
         let timeout = if polled { timeout.min(Duration::from_micros(POLL.0)) } else { timeout };
         self.channel.read(timeout)
