@@ -60,6 +60,9 @@ class SlcanAdapter:
         device = os.open(path, os.O_RDWR | os.O_NOCTTY)
         tty.setraw(device)
         with self.lock:
+            # The serial line of User-Mode Linux tells the driver that a command is written only when
+            # something comes in; the driver passes over an empty record.
+            self.nudge = b"\r" if "canable1" in options else b""
             self.simulator, self.device = simulator, device
             self.log = open(f"{self.logs}/{name}.line", "w", encoding="utf-8")
             self.deeds = f"{self.logs}/{name}.adapter"
@@ -121,6 +124,7 @@ class SlcanAdapter:
                 self.commands.append(command)
                 self._note(">", command)
             os.write(self.device, data)
+        os.write(self.host, self.nudge)
 
     def _to_guest(self, data):
         with self.lock:

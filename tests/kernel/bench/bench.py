@@ -53,11 +53,19 @@ class Bench:
         if answer.status != 0:
             return {"absent": answer.output}
         link = json.loads(answer.output)[0]
-        can = link.get("linkinfo", {}).get("info_data", {})
         kept = {key: link.get(key) for key in ("flags", "mtu", "operstate", "txqlen")}
-        for key in ("ctrlmode", "bittiming", "data_bittiming", "restart_ms", "termination"):
-            kept[key] = can.get(key)
+        kept["ctrlmode"] = []
+        kept.update(link.get("linkinfo", {}).get("info_data", {}))
+        # These change by themselves.
+        for key in ("state", "berr_counter"):
+            kept.pop(key, None)
         return kept
+
+    def bitrate(self):
+        """The bit rate that can0 is set to, in bit/s."""
+        settings = self.settings()
+        # Drivers with fixed rates have no segments.
+        return settings.get("bittiming", {}).get("bitrate", settings.get("bittiming_bitrate"))
 
     def set_up(self, rate, *modes):
         """Sets can0 to a rate, listen-only, and up."""

@@ -12,7 +12,7 @@ def gs_usb_facts(bench):
     if bench.version == "6.1":
         report.check(berr.status != 0 and "not supported" in berr.output.lower(),
                      "no berr-reporting in this kernel", berr.output)
-        report.equal(bench.settings()["bittiming"]["bitrate"], 500_000,
+        report.equal(bench.bitrate(), 500_000,
                      "trap 5: the rate was changed although the request failed")
         bench.set_up(500_000)
         errors, frames, _ = bench.heard()
@@ -88,7 +88,7 @@ def gs_usb_stale_frames(bench):
 def gs_usb_fd(bench):
     """CAN FD: the nominal rate first, then the data rate."""
     bench.plug(fd_bus(500_000, 2_000_000), "--fd")
-    result = finds(bench, 500_000)
+    result = finds(bench, 500_000, "--fd")
     bench.report.check("data 2 Mbit/s" in result.output, "and the data rate", result.output)
     bench.never_disturbed()
 

@@ -70,20 +70,9 @@ def slcan_without_l(bench):
     bench.never_disturbed()
 
 
-def slcan_without_the_driver(bench):
-    """The same adapter at the serial port itself, with no driver between."""
-    bench.plug(bus(500_000), "--errors", "flags")
-    bench.detach()
-    result = bench.sh("/run/canbaud detect slcan:/dev/ttyS0", 40)
-    bench.report.check(result.status == 0 and found(result.output) == 500_000,
-                       "finds 500000 bit/s", f"status {result.status}\n{result.output}")
-    bench.never_disturbed()
-
-
 ALL = [
     slcan_facts,
     slcan_witness,
     slcan_silent_firmware,
     slcan_without_l,
-    slcan_without_the_driver,
 ]

@@ -39,16 +39,12 @@ class SlcanBench(Bench):
         if result.status != 0:
             raise RuntimeError(f"slcand does not attach: {result.output}")
 
-    def detach(self):
-        """Takes the driver off the serial port; the adapter stays."""
+    def unplug(self):
         self.sh(
             "pid=$(cat /run/slcand.pid 2>/dev/null) && kill $pid && sleep 0.3\n"
             "while ip link show can0 >/dev/null 2>&1; do sleep 0.1; done\n"
             "rm -f /run/slcand.pid"
         )
-
-    def unplug(self):
-        self.detach()
         self.adapter.unplug()
 
     def disturbing(self):
