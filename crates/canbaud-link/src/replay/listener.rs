@@ -8,6 +8,7 @@ use canbaud::detect::scan::{
     Candidate, Capabilities, Configured, Controller, ErrorClass, ErrorPlace, ErrorSeen, Evidence,
     FdSupport, FrameSeen, Observation, Origin, RateChoice,
 };
+use canbaud::timing::default_sample_point;
 use canbaud::units::{Bitrate, Micros};
 use canbaud::wire::{
     BusTiming, DataTiming, Decoded, Decoder, ErrorKind, Field, ItemKind, Level,
@@ -72,8 +73,10 @@ impl ReplayListener {
         let mut timing = BusTiming::classic(nominal);
         if let Some(rate) = candidate.data {
             let data = self.ticks_q20(rate)?;
-            // Both sample points at 80 %.
-            let brs_ticks_q20 = nominal / 5 * 4 + data / 5;
+            let part =
+                |ticks: u64, rate| ticks / 1000 * u64::from(default_sample_point(rate).permille());
+            // Nominal up to one sample point, data behind the other.
+            let brs_ticks_q20 = part(nominal, candidate.nominal) + data - part(data, rate);
             timing.data = Some(DataTiming { ticks_q20: data, brs_ticks_q20 });
         }
         Some(timing)
