@@ -1,13 +1,16 @@
 //! The commands: from what the user said to what the user gets.
 
+mod adapters;
 mod decode;
 mod detect;
 mod failure;
+pub(crate) mod live;
 mod progress;
 mod queue;
 mod simulate;
 pub(crate) mod timing;
 
+pub(crate) use adapters::{AdaptersArgs, adapters};
 pub(crate) use decode::decode;
 pub(crate) use detect::detect;
 pub(crate) use simulate::{SimulateArgs, simulate};
