@@ -9,6 +9,7 @@
 //! | [`slcan`] | serial adapters with the Lawicel protocol and its relatives |
 //! | [`adapters`] | what there is on this machine, and what is known of it |
 //! | [`bus`] | channels that transmit, for LSS |
+//! | [`lss`] | the LSS master on one of them |
 #![forbid(unsafe_code)]
 
 pub mod adapters;
@@ -16,6 +17,7 @@ pub mod bus;
 mod clock;
 mod error;
 mod listener;
+pub mod lss;
 pub mod slcan;
 #[cfg(target_os = "linux")]
 pub mod socketcan;
