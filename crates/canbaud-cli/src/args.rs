@@ -8,8 +8,8 @@ use canbaud_capture::{Format, OpenOptions, Threshold};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::judge::JudgeOptions;
-use crate::run::SimulateArgs;
 use crate::run::timing::{ControllersArgs, TIMING_HELP, TimingArgs};
+use crate::run::{LSS_HELP, LssArgs, SimulateArgs};
 
 const ABOUT: &str = "Finds the bit rate of a recorded CAN or CAN FD bus, proves it, decodes it";
 
@@ -97,6 +97,9 @@ pub(crate) enum Command {
     Controllers(ControllersArgs),
     /// Run a simulated bus from a scenario, to files, statistics or a virtual adapter
     Simulate(SimulateArgs),
+    /// Set bit rate and node-ID of CANopen devices over the bus (CiA 305); transmits
+    #[command(after_help = LSS_HELP)]
+    Lss(Box<LssArgs>),
 }
 
 /// When to use colours.

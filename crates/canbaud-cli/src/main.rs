@@ -29,6 +29,7 @@ fn main() -> ExitCode {
         Command::Timing(args) => run::timing(&args),
         Command::Controllers(args) => run::controllers(&args),
         Command::Simulate(args) => run::simulate(&args),
+        Command::Lss(args) => run::lss(&args),
     };
     exit.into()
 }

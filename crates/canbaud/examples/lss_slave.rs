@@ -38,7 +38,7 @@ fn carry_out(slave: &mut Slave, now: Micros) {
             }
             SlaveAction::SwitchBitRate(RateSetting::Automatic) => {
                 println!(
-                    "{:>12}  listens until it has found the bit rate, and sets its controller to it"
+                    "{at}  listens until it has found the bit rate, and sets its controller to it"
                 );
                 slave.rate_found();
             }

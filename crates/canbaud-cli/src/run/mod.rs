@@ -3,6 +3,7 @@
 mod decode;
 mod detect;
 mod failure;
+mod lss;
 mod progress;
 mod queue;
 mod simulate;
@@ -10,5 +11,6 @@ pub(crate) mod timing;
 
 pub(crate) use decode::decode;
 pub(crate) use detect::detect;
+pub(crate) use lss::{LSS_HELP, LssArgs, lss};
 pub(crate) use simulate::{SimulateArgs, simulate};
 pub(crate) use timing::{controllers, timing};
