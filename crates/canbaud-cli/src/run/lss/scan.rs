@@ -81,6 +81,8 @@ fn tell(args: &ScanArgs, found: &Found, node_id: Option<u8>, seconds: f64) -> io
             "requests": statistics.requests,
             "silences": statistics.silences,
             "restarts": statistics.restarts,
+            "stray_answers": statistics.stray_answers,
+            "longest_answer_s": statistics.longest_answer.0 as f64 / 1e6,
             "seconds": seconds,
         });
         return writeln!(out, "{object}");
