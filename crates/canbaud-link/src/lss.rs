@@ -4,8 +4,7 @@ use std::time::{Duration, Instant};
 
 use canbaud::lss::{
     Activation, ActivationAction, Exchange, ExchangeAction, Fastscan, FastscanAction,
-    FastscanError, FastscanOptions, Found, LssAddress, NodeId, Pace, Part, Reply, Service,
-    ServiceError,
+    FastscanError, FastscanOptions, Found, Pace, Reply, Service, ServiceError,
 };
 use canbaud::units::{Bitrate, Micros};
 use canbaud::wire::Frame;
@@ -18,7 +17,6 @@ const SLICE: Duration = Duration::from_millis(100);
 
 /// Why a procedure of the master came to nothing.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum MasterError {
     /// The channel.
     #[error(transparent)]
@@ -29,9 +27,6 @@ pub enum MasterError {
     /// The scan.
     #[error("{0}")]
     Fastscan(FastscanError),
-    /// A slave answered what it cannot have.
-    #[error("the device says that its node-ID is {0}, allowed are 1 to 127 and 255")]
-    NodeId(u8),
 }
 
 impl From<ServiceError> for MasterError {
@@ -150,7 +145,7 @@ impl<'a, B: FrameBus + ?Sized> Master<'a, B> {
         &mut self,
         switch_delay_ms: u16,
         own: Option<Bitrate>,
-    ) -> Result<Activated, MasterError> {
+    ) -> Result<Activated, LinkError> {
         let mut activation = Activation::new(switch_delay_ms);
         let mut activated = Activated { reconfiguration: None, in_time: true };
         loop {
@@ -169,33 +164,6 @@ impl<'a, B: FrameBus + ?Sized> Master<'a, B> {
             }
             // What others send meanwhile is nothing to a master.
             let _ = self.receive(activation.deadline())?;
-        }
-    }
-
-    /// The address of the slave in configuration.
-    ///
-    /// # Errors
-    /// As [`Master::exchange`].
-    pub fn inquire_address(&mut self) -> Result<LssAddress, MasterError> {
-        let mut address = LssAddress::new(0, 0, 0, 0);
-        for part in Part::ALL {
-            if let Reply::Number(number) = self.exchange(Service::InquireIdentity(part))? {
-                address = address.with_part(part, number);
-            }
-        }
-        Ok(address)
-    }
-
-    /// The node-ID of the slave in configuration: the active one, or the pending one while there is
-    /// no active one.
-    ///
-    /// # Errors
-    /// As [`Master::exchange`], or the slave tells an impossible one.
-    pub fn inquire_node_id(&mut self) -> Result<NodeId, MasterError> {
-        match self.exchange(Service::InquireNodeId)? {
-            Reply::NodeId(id) => NodeId::new(id).ok_or(MasterError::NodeId(id)),
-            // Exchange gives the reply of its service.
-            Reply::Done | Reply::Number(_) => Ok(NodeId::UNCONFIGURED),
         }
     }
 }

@@ -129,6 +129,11 @@ impl Channel {
         self.heard.pop_front()
     }
 
+    /// Whether something was heard that was not told yet.
+    pub(crate) fn has_news(&self) -> bool {
+        !self.heard.is_empty()
+    }
+
     /// Forgets what was heard.
     pub(crate) fn clear(&mut self) {
         self.heard.clear();

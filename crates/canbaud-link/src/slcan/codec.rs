@@ -112,7 +112,7 @@ impl<'a> Record<'a> {
     /// ```
     /// use canbaud_link::slcan::Record;
     /// assert_eq!(Record::parse(b"F80"), Record::Flags(0x80));
-    /// assert!(matches!(Record::parse(b"T1234567812AA0001"), Record::Frame(_)));
+    /// assert!(matches!(Record::parse(b"T123456781AA0001"), Record::Frame(_)));
     /// assert_eq!(Record::parse(b"V1013"), Record::Text(b"V1013"));
     /// ```
     #[must_use]

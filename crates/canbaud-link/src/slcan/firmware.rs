@@ -88,9 +88,12 @@ impl Firmware {
     /// What it tells of a wrong rate.
     #[must_use]
     pub const fn evidence(self) -> Evidence {
-        match self.error_flag() {
-            Some(_) => Evidence::Errors,
-            None => Evidence::FramesOnly,
+        match self {
+            Self::Lawicel => Evidence::Counter,
+            // Its flag tells that a counter rose, and a counter that is full rises no more.
+            Self::Canable2 { .. } | Self::Usbtin | Self::CanableStock | Self::Other => {
+                Evidence::FramesOnly
+            }
         }
     }
 

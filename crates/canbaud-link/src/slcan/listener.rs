@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use canbaud::detect::scan::{
-    Candidate, Capabilities, Configured, Controller, ErrorClass, ErrorPlace, ErrorSeen, Evidence,
-    FdSupport, FrameSeen, Observation, Origin, RateChoice,
+    Candidate, Capabilities, Configured, Controller, ErrorSeen, Evidence, FdSupport, FrameSeen,
+    Observation, Origin, RateChoice,
 };
 use canbaud::units::{Bitrate, Micros};
 
@@ -50,6 +50,17 @@ pub struct SlcanListener {
     /// When to ask for the flags.
     due: Micros,
     fetches: Fetches,
+    /// Answers to `F` that told of errors.
+    errors: u16,
+    /// Whether the scan knows how many there were when listening began.
+    count: Count,
+}
+
+/// Opening forgets the flags, so counting goes on from what it was.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Count {
+    Untold,
+    Told,
 }
 
 /// Whether frames wait for `A`: CAN232 comes with auto-poll off, and to switch it on would change
@@ -101,7 +112,17 @@ impl SlcanListener {
             None => firmware.digits().iter().map(|digit| digit.1).collect(),
         };
         let (due, fetches) = (Micros(0), Fetches::No);
-        Ok(Self { channel, firmware, rates, state: State::Closed, clock, due, fetches })
+        Ok(Self {
+            channel,
+            firmware,
+            rates,
+            state: State::Closed,
+            clock,
+            due,
+            fetches,
+            errors: 0,
+            count: Count::Told,
+        })
     }
 
     /// Whose firmware it is.
@@ -160,7 +181,7 @@ impl SlcanListener {
         Ok(())
     }
 
-    fn observation(&self, heard: Heard) -> Option<Observation> {
+    fn observation(&mut self, heard: Heard) -> Option<Observation> {
         let error = |class, place| Observation::Error(ErrorSeen { class, place, received: None });
         match heard {
             Heard::Frame(frame) => {
@@ -173,7 +194,9 @@ impl SlcanListener {
             Heard::Flags(flags)
                 if self.firmware.error_flag().is_some_and(|bit| flags & bit != 0) =>
             {
-                Some(error(ErrorClass::Unknown, ErrorPlace::Unknown))
+                // At least one error since the flags were asked for last: a count, no single one.
+                self.errors = self.errors.wrapping_add(1);
+                Some(Observation::ReceiveErrors(self.errors))
             }
             Heard::Flags(flags) if flags & self.firmware.lost_flags() != 0 => {
                 Some(Observation::Lost)
@@ -279,12 +302,17 @@ impl Controller for SlcanListener {
             self.fetches = if fetched { Fetches::Yes } else { Fetches::No };
         }
         self.due = self.clock.now() + POLL;
+        self.count = if self.firmware.error_flag().is_some() { Count::Untold } else { Count::Told };
         Ok(())
     }
 
     fn observe(&mut self, now: Micros) -> Result<Option<Observation>, LinkError> {
         if self.state != State::Listening {
             return Err(self.misuse("it hears only while it listens"));
+        }
+        if self.count == Count::Untold {
+            self.count = Count::Told;
+            return Ok(Some(Observation::ReceiveErrors(self.errors)));
         }
         while let Some(heard) = self.channel.next() {
             if let Some(observation) = self.observation(heard) {
@@ -305,6 +333,9 @@ impl Controller for SlcanListener {
 
 impl Listener for SlcanListener {
     fn wait(&mut self, timeout: Duration) -> Result<(), LinkError> {
+        if self.channel.has_news() {
+            return Ok(());
+        }
         let polled = self.firmware.error_flag().is_some() || self.fetches == Fetches::Yes;
         let timeout = if polled { timeout.min(Duration::from_micros(POLL.0)) } else { timeout };
         self.channel.read(timeout)
@@ -317,9 +348,7 @@ impl Listener for SlcanListener {
     fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         if self.firmware.evidence() == Evidence::FramesOnly {
-            remarks.push(
-                "this adapter tells nothing of a wrong rate: it looks like a silent bus".to_owned(),
-            );
+            remarks.push("this adapter does not tell a wrong rate from a silent bus".to_owned());
         }
         if !self.rates.is_empty() {
             let rates: Vec<String> = self.rates.iter().map(Bitrate::to_string).collect();

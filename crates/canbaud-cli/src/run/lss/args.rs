@@ -15,13 +15,14 @@ Examples:
   canbaud lss auto --on can0 --dry-run
 
 An LSS master transmits (identifier 7E5h) and must be the only one on its bus. A channel is an
-interface of Linux in normal mode (can0, vcan0), a serial adapter (/dev/ttyACM0, COM3), or
-udp:GROUP:PORT (python-can's udp_multicast). docs/lss.md is the guide.
+interface of Linux in normal mode (can0, vcan0), a serial adapter (slcan:/dev/ttyACM0,
+slcan:COM3@1000000), or udp:GROUP:PORT (python-can's udp_multicast). docs/lss.md is the guide.
 
 Exit codes:
   0  done                                   4  no device answered
-  2  wrong command line                     5  the channel cannot be used
-  3  a device refused, or answers contradict each other";
+  2  wrong command line                     6  no permission for the channel
+  3  a device refused, or answers           7  the channel cannot be used
+     contradict each other                  128 and the number of a signal: interrupted";
 
 /// `canbaud lss`.
 #[derive(Debug, Args)]
@@ -70,17 +71,13 @@ impl LssAction {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Channel")]
 pub(crate) struct LineArgs {
-    /// can0, /dev/ttyACM0, COM3, udp:239.74.163.2:43113
+    /// can0, slcan:/dev/ttyACM0@115200, udp:239.74.163.2:43113
     #[arg(long, value_name = "CHANNEL")]
     pub(crate) on: Channel,
 
     /// Bit rate to open a serial adapter at; an interface of Linux is taken as it is set up
     #[arg(long = "bitrate", value_name = "RATE")]
     pub(crate) own_bitrate: Option<Bitrate>,
-
-    /// Baud rate of a serial port
-    #[arg(long, value_name = "BAUD", default_value_t = 115_200)]
-    pub(crate) baud: u32,
 
     /// Yes, transmit: without this nothing is opened
     #[arg(long, conflicts_with = "dry_run")]

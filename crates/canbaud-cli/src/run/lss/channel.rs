@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::net::Ipv4Addr;
+use std::path::Path;
 use std::str::FromStr;
 
 use canbaud::units::Bitrate;
@@ -10,14 +11,13 @@ use canbaud_link::bus::SocketCanBus;
 use canbaud_link::bus::{FrameBus, MulticastBus, SlcanBus};
 
 use super::trouble::Trouble;
+use crate::run::live::LiveSource;
 
 /// A channel that the user named.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Channel {
-    /// An interface of Linux.
-    SocketCan(String),
-    /// A serial port with an adapter.
-    Serial(String),
+    /// A bus with wires.
+    Live(LiveSource),
     /// UDP multicast.
     Multicast(Ipv4Addr, u16),
 }
@@ -27,27 +27,36 @@ impl FromStr for Channel {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         if let Some(rest) = text.strip_prefix("udp:") {
-            let (group, port) = rest.split_once(':').unwrap_or((rest, ""));
-            let group: Ipv4Addr =
-                group.parse().map_err(|_| "udp: wants an IPv4 multicast group".to_owned())?;
-            if !group.is_multicast() {
-                return Err("udp: wants a multicast group, 224.0.0.0 to 239.255.255.255".into());
-            }
-            let port = match port {
-                "" => MulticastBus::PORT,
-                port => port.parse().map_err(|_| "a port is 0 to 65535".to_owned())?,
-            };
-            return Ok(Self::Multicast(group, port));
+            return multicast(rest);
         }
-        let serial = text.contains('/') || text.to_ascii_uppercase().starts_with("COM");
-        Ok(if serial { Self::Serial(text.to_owned()) } else { Self::SocketCan(text.to_owned()) })
+        let source = if text.starts_with("/dev/") {
+            LiveSource::parse(Path::new(&format!("slcan:{text}")))
+        } else {
+            LiveSource::parse(Path::new(text))
+        };
+        let wanted = "a channel is wanted: can0, slcan:/dev/ttyACM0 or udp:239.74.163.2:43113";
+        source.map(Self::Live).ok_or_else(|| wanted.to_owned())
     }
+}
+
+fn multicast(text: &str) -> Result<Channel, String> {
+    let (group, port) = text.split_once(':').unwrap_or((text, ""));
+    let group: Ipv4Addr =
+        group.parse().map_err(|_| "udp: wants an IPv4 multicast group".to_owned())?;
+    if !group.is_multicast() {
+        return Err("udp: wants a multicast group, 224.0.0.0 to 239.255.255.255".into());
+    }
+    let port = match port {
+        "" => MulticastBus::PORT,
+        port => port.parse().map_err(|_| "a port is 0 to 65535".to_owned())?,
+    };
+    Ok(Channel::Multicast(group, port))
 }
 
 impl fmt::Display for Channel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::SocketCan(name) | Self::Serial(name) => f.write_str(name),
+            Self::Live(source) => source.fmt(f),
             Self::Multicast(group, port) => write!(f, "udp:{group}:{port}"),
         }
     }
@@ -55,14 +64,10 @@ impl fmt::Display for Channel {
 
 impl Channel {
     /// Opens it for sending.
-    pub(super) fn open(
-        &self,
-        bitrate: Option<Bitrate>,
-        baud: u32,
-    ) -> Result<Box<dyn FrameBus>, Trouble> {
+    pub(super) fn open(&self, bitrate: Option<Bitrate>) -> Result<Box<dyn FrameBus>, Trouble> {
         Ok(match self {
             #[cfg(target_os = "linux")]
-            Self::SocketCan(name) => {
+            Self::Live(LiveSource::Interface(name)) => {
                 let mut bus = SocketCanBus::open(name)?;
                 if let Some(bitrate) = bitrate {
                     bus.set_bitrate(bitrate)?;
@@ -70,16 +75,16 @@ impl Channel {
                 Box::new(bus)
             }
             #[cfg(not(target_os = "linux"))]
-            Self::SocketCan(name) => {
-                return Err(Trouble::Usage(format!("{name}: only Linux has interfaces for CAN")));
+            Self::Live(LiveSource::Interface(_)) => {
+                return Err(canbaud_link::LinkError::NoKernelCan.into());
             }
-            Self::Serial(path) => {
+            Self::Live(LiveSource::Slcan { port, baud }) => {
                 let bitrate = bitrate.ok_or_else(|| {
                     Trouble::Usage(format!(
-                        "{path} needs --bitrate: an adapter has none of its own"
+                        "{port} needs --bitrate: an adapter has none of its own"
                     ))
                 })?;
-                Box::new(SlcanBus::open(path, baud, bitrate)?)
+                Box::new(SlcanBus::open(port, *baud, bitrate)?)
             }
             Self::Multicast(group, port) => Box::new(MulticastBus::join(*group, *port)?),
         })
@@ -89,8 +94,10 @@ impl Channel {
     /// one.
     pub(super) fn is_virtual(&self) -> bool {
         match self {
-            Self::SocketCan(name) => name.starts_with("vcan") || name.starts_with("vxcan"),
-            Self::Serial(_) => false,
+            Self::Live(LiveSource::Interface(name)) => {
+                name.starts_with("vcan") || name.starts_with("vxcan")
+            }
+            Self::Live(LiveSource::Slcan { .. }) => false,
             Self::Multicast(..) => true,
         }
     }
@@ -102,14 +109,18 @@ mod tests {
 
     #[test]
     fn channels_are_told_by_their_form() {
-        let socket = |name: &str| Ok(Channel::SocketCan(name.to_owned()));
-        assert_eq!("can0".parse(), socket("can0"));
-        let serial = |name: &str| Ok(Channel::Serial(name.to_owned()));
-        assert_eq!("/dev/ttyACM0".parse(), serial("/dev/ttyACM0"));
-        assert_eq!("COM3".parse(), serial("COM3"));
+        let interface = |name: &str| Ok(Channel::Live(LiveSource::Interface(name.to_owned())));
+        assert_eq!("can0".parse(), interface("can0"));
+        assert_eq!("vcan0".parse(), interface("vcan0"));
+        for text in ["/dev/ttyACM0", "slcan:/dev/ttyACM0"] {
+            let port = "/dev/ttyACM0".to_owned();
+            let serial = LiveSource::Slcan { port, baud: 115_200 };
+            assert_eq!(text.parse(), Ok(Channel::Live(serial)), "{text}");
+        }
         let udp = Channel::Multicast(Ipv4Addr::new(239, 0, 0, 1), 5000);
         assert_eq!("udp:239.0.0.1:5000".parse(), Ok(udp));
-        assert!("udp:10.0.0.1".parse::<Channel>().is_err());
-        assert!("udp:239.0.0.1:x".parse::<Channel>().is_err());
+        for bad in ["udp:10.0.0.1", "udp:239.0.0.1:x", "bus.sr"] {
+            assert!(bad.parse::<Channel>().is_err(), "{bad}");
+        }
     }
 }

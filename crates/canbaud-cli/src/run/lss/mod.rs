@@ -16,12 +16,14 @@ use session::Session;
 use trouble::Trouble;
 
 use crate::exit::Exit;
+use crate::run::live::link_error;
 
-/// Exit codes: 0 done, 2 wrong command line, 3 refused or contradictory answers, 4 no answer, 5 the
-/// channel cannot be used.
+/// Exit codes: 0 done, 2 wrong command line, 3 refused or contradictory answers, 4 no answer, 6 no
+/// permission, 7 the channel cannot be used.
 pub(crate) fn lss(args: &LssArgs) -> Exit {
     match run(&args.action) {
         Ok(()) => Exit::Found,
+        Err(Trouble::Link(error)) => link_error(&error),
         Err(trouble) => {
             eprintln!("canbaud: {trouble}");
             if let Some(hint) = trouble.hint() {

@@ -10,6 +10,7 @@ use canbaud::lss::{
 };
 use canbaud::units::{Bitrate, Micros};
 use canbaud::wire::{Frame, FrameKind, Id};
+use canbaud_link::LinkError;
 use canbaud_link::bus::FrameBus;
 
 use super::args::ServeArgs;
@@ -46,6 +47,10 @@ struct Device {
 
 /// Serves until the time is over.
 pub(super) fn serve(args: &ServeArgs, session: &mut Session) -> Result<(), Trouble> {
+    play(args, session).map_err(|error| session.trouble(error))
+}
+
+fn play(args: &ServeArgs, session: &mut Session) -> Result<(), LinkError> {
     // A channel that cannot listen silently must not be used for detection.
     let automatic =
         if session.channel().is_virtual() { Automatic::Offered } else { Automatic::Refused };
@@ -101,7 +106,7 @@ impl Device {
         self.slave.deadline().min(inbox)
     }
 
-    fn run(&mut self, now: Micros, bus: &mut dyn FrameBus) -> Result<(), Trouble> {
+    fn run(&mut self, now: Micros, bus: &mut dyn FrameBus) -> Result<(), LinkError> {
         self.carry_out(now, bus)?;
         while let Some((at, frame)) = self.inbox.pop_front() {
             if at > now {
@@ -120,7 +125,7 @@ impl Device {
         Ok(())
     }
 
-    fn carry_out(&mut self, now: Micros, bus: &mut dyn FrameBus) -> Result<(), Trouble> {
+    fn carry_out(&mut self, now: Micros, bus: &mut dyn FrameBus) -> Result<(), LinkError> {
         let name = self.memory.name.clone();
         while let Some(action) = self.slave.poll(now) {
             match action {

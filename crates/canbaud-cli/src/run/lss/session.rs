@@ -8,16 +8,42 @@ use canbaud::lss::{
 };
 use canbaud::units::{Bitrate, Micros};
 use canbaud::wire::Frame;
+use canbaud_link::LinkError;
 use canbaud_link::bus::FrameBus;
 use canbaud_link::lss::{Activated, Master, MasterError};
 
 use super::args::{DeviceArgs, LineArgs};
 use super::channel::Channel;
 use super::trouble::{Trouble, name};
+use crate::run::live::Stop;
+
+/// A channel that is given up when a signal comes; it is put back as it goes out of use.
+struct Watched {
+    bus: Box<dyn FrameBus>,
+    stop: Stop,
+}
+
+impl FrameBus for Watched {
+    fn send(&mut self, frame: &Frame) -> Result<(), LinkError> {
+        self.bus.send(frame)
+    }
+
+    fn receive(&mut self, timeout: Duration) -> Result<Option<Frame>, LinkError> {
+        if self.stop.signal().is_some() {
+            let source = io::ErrorKind::Interrupted.into();
+            return Err(LinkError::Io { what: "receiving".to_owned(), source });
+        }
+        self.bus.receive(timeout)
+    }
+
+    fn set_bitrate(&mut self, bitrate: Bitrate) -> Result<(), LinkError> {
+        self.bus.set_bitrate(bitrate)
+    }
+}
 
 /// What the frames go out on.
 enum Line {
-    Live(Box<dyn FrameBus>),
+    Live(Watched),
     Dry,
 }
 
@@ -41,11 +67,22 @@ impl Session {
             Line::Dry
         } else if args.transmit {
             eprintln!("canbaud: transmits on {channel}");
-            Line::Live(channel.open(args.own_bitrate, args.baud)?)
+            let stop = Stop::install()?;
+            Line::Live(Watched { bus: channel.open(args.own_bitrate)?, stop })
         } else {
             return Err(Trouble::NotAllowed(channel.to_string()));
         };
         Ok(Self { line, channel, pace })
+    }
+
+    /// What an error of the channel means: the signal, if one came.
+    pub(super) fn trouble(&self, error: LinkError) -> Trouble {
+        match &self.line {
+            Line::Live(Watched { stop, .. }) => {
+                stop.signal().map_or(Trouble::Link(error), Trouble::Stopped)
+            }
+            Line::Dry => Trouble::Link(error),
+        }
     }
 
     pub(super) const fn channel(&self) -> &Channel {
@@ -69,7 +106,7 @@ impl Session {
     /// The channel itself; `None` in a dry run.
     pub(super) fn bus(&mut self) -> Option<&mut dyn FrameBus> {
         match &mut self.line {
-            Line::Live(bus) => Some(bus.as_mut()),
+            Line::Live(bus) => Some(bus),
             Line::Dry => None,
         }
     }
@@ -87,10 +124,11 @@ impl Session {
                 _ => Reply::Done,
             });
         };
-        Master::new(bus.as_mut(), self.pace).exchange(service).map_err(|error| match error {
+        let result = Master::new(bus, self.pace).exchange(service);
+        result.map_err(|error| match error {
             MasterError::Service(error) => Trouble::Service(service, error),
-            MasterError::Link(error) => Trouble::Link(error),
-            other => Trouble::Master(other),
+            MasterError::Fastscan(error) => Trouble::Fastscan(error),
+            MasterError::Link(error) => self.trouble(error),
         })
     }
 
@@ -110,9 +148,10 @@ impl Session {
             return Ok(None);
         };
         let options = FastscanOptions { pace: self.pace, ..options };
-        Master::new(bus.as_mut(), self.pace).fastscan(options).map_err(|error| match error {
-            MasterError::Link(error) => Trouble::Link(error),
-            other => Trouble::Master(other),
+        Master::new(bus, self.pace).fastscan(options).map_err(|error| match error {
+            MasterError::Fastscan(error) => Trouble::Fastscan(error),
+            MasterError::Service(error) => Trouble::Service(Service::InquireNodeId, error),
+            MasterError::Link(error) => self.trouble(error),
         })
     }
 
@@ -127,12 +166,7 @@ impl Session {
             show(&command.to_frame(), "activate bit timing; silence for twice the delay")?;
             return Ok(Activated { reconfiguration: None, in_time: true });
         };
-        Master::new(bus.as_mut(), self.pace).activate(switch_delay_ms, own).map_err(|error| {
-            match error {
-                MasterError::Link(error) => Trouble::Link(error),
-                other => Trouble::Master(other),
-            }
-        })
+        Master::new(bus, self.pace).activate(switch_delay_ms, own).map_err(|e| self.trouble(e))
     }
 
     /// Puts the device that the user means, and no other, in configuration.

@@ -3,9 +3,8 @@
 use std::fmt;
 use std::io;
 
-use canbaud::lss::{LssAddress, Outcome, Service, ServiceError};
+use canbaud::lss::{FastscanError, LssAddress, Outcome, Service, ServiceError};
 use canbaud_link::LinkError;
-use canbaud_link::lss::MasterError;
 
 use crate::exit::Exit;
 use crate::printable::printable;
@@ -21,12 +20,14 @@ pub(super) enum Trouble {
     Link(LinkError),
     /// A service.
     Service(Service, ServiceError),
-    /// Anything else of the master.
-    Master(MasterError),
+    /// A scan.
+    Fastscan(FastscanError),
     /// The same device answered again.
     Again(LssAddress),
     /// The device did not come back.
     NotBack(u16),
+    /// A signal of this number came.
+    Stopped(u8),
     /// The output cannot be written.
     Output(io::Error),
 }
@@ -49,11 +50,12 @@ impl fmt::Display for Trouble {
             Self::Usage(what) => f.write_str(what),
             Self::NotAllowed(channel) => write!(f, "this transmits on {channel}: say --transmit"),
             Self::Link(error) => f.write_str(&printable(&error.to_string())),
+            Self::Stopped(signal) => write!(f, "stopped by signal {signal}"),
             Self::Service(service, ServiceError::Refused(outcome)) => {
                 write!(f, "{}: the device refuses: {}", name(service), reason(service, *outcome))
             }
             Self::Service(service, error) => write!(f, "{}: {error}", name(service)),
-            Self::Master(error) => write!(f, "{error}"),
+            Self::Fastscan(error) => write!(f, "fastscan: {error}"),
             Self::Again(address) => write!(
                 f,
                 "{address} answers the scan again although it was found: the scan ends here"
@@ -91,9 +93,10 @@ impl Trouble {
     pub(super) fn exit(&self) -> Exit {
         match self {
             Self::Usage(_) | Self::NotAllowed(_) => Exit::Usage,
-            Self::Link(_) | Self::Master(MasterError::Link(_)) => Exit::Unreadable,
+            Self::Link(_) => Exit::Unusable,
+            Self::Stopped(signal) => Exit::Stopped(*signal),
             Self::Service(_, ServiceError::NoAnswer(_)) | Self::NotBack(_) => Exit::NoTraffic,
-            Self::Service(..) | Self::Master(_) | Self::Again(_) => Exit::Undecided,
+            Self::Service(..) | Self::Fastscan(_) | Self::Again(_) => Exit::Undecided,
             // A reader that has seen enough is no trouble.
             Self::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => Exit::Found,
             Self::Output(_) => Exit::Unreadable,
