@@ -38,8 +38,8 @@ fn the_document_strategy_takes_133_requests_and_the_time_of_its_ones() {
     assert_eq!(found.address, address);
     assert_eq!(found.statistics.requests, 133);
     assert_eq!(found.statistics.silences, ones);
-    // One more turn of the first request, to see whether anybody else answers.
-    let time = u64::from(133 - ones) * 20 + u64::from(ones) * 100 + 20;
+    // Once the full time-out, to see whether anybody else answers.
+    let time = u64::from(133 - ones) * 20 + u64::from(ones) * 100 + 100;
     assert_eq!(bus.now, Micros::from_ms(time));
     assert_eq!(bus.slaves[0].state(), LssState::Configuration);
 }
@@ -113,6 +113,30 @@ fn several_devices_are_found_one_after_another() {
                 list
             };
             assert_eq!(sorted(found), sorted(addresses), "merged {merged}, seed {seed}");
+        }
+    }
+}
+
+/// A slow device answers one request after the fast one has answered the next.
+#[test]
+fn slow_and_fast_devices_are_told_apart() {
+    for slow in [5_000, 30_000, 60_000, 200_000, 400_000] {
+        for seed in 0..20 {
+            let mut chance = Chance::new(seed + 7_000);
+            let addresses = [address(&mut chance), address(&mut chance), address(&mut chance)];
+            let way = Way { round_trip: (800, 1_200), ..Way::STEADY };
+            let mut bus = Bus::new(&addresses, way, seed);
+            bus.slower = vec![0, slow, slow / 2];
+            let mut found = Vec::new();
+            while let Some(one) = bus.fastscan(adaptive()).unwrap() {
+                found.push(one.address);
+                assert!(found.len() <= 3, "{slow} us, seed {seed}: {found:?}");
+            }
+            let sorted = |mut list: Vec<LssAddress>| {
+                list.sort();
+                list
+            };
+            assert_eq!(sorted(found), sorted(addresses.to_vec()), "{slow} us, seed {seed}");
         }
     }
 }

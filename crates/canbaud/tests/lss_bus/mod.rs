@@ -76,6 +76,8 @@ pub struct Bus {
     /// Sends nothing more from this request on.
     pub dies_after: Option<u32>,
     requests: u32,
+    /// How much longer each slave takes, µs.
+    pub slower: Vec<u64>,
 }
 
 pub fn slave(address: LssAddress, node_id: u8) -> Slave {
@@ -99,6 +101,7 @@ impl Bus {
             last: vec![Micros(0); addresses.len()],
             dies_after: None,
             requests: 0,
+            slower: Vec::new(),
         }
     }
 
@@ -117,6 +120,7 @@ impl Bus {
                 match action {
                     SlaveAction::Send(frame) => {
                         let mut travel = self.chance.between(self.way.round_trip);
+                        travel += self.slower.get(index).copied().unwrap_or(0);
                         if self.chance.permille(self.way.late) {
                             travel *= 10;
                         }

@@ -9,6 +9,9 @@ use crate::wire::Frame;
 
 /// Times that "begin" is asked, to learn how long answers take.
 const BEGINNINGS: u8 = 3;
+/// How long the first answer is waited behind for those of slower devices; an answer that comes
+/// later still is found out, and the full time-out waited.
+const WATCH: Micros = Micros::from_ms(50);
 /// Times in a row that "begin" may stay without an answer.
 const SILENT_BEGINNINGS: u8 = 2;
 /// Restarts after which it is given up.
@@ -122,8 +125,13 @@ impl<'a> Fastscan<'a> {
                 self.statistics.longest_answer = self.rhythm.longest();
                 let wait = match self.phase {
                     // To see whether there are more devices, and how far apart they answer.
-                    Phase::Begin { .. } => self.rhythm.longest().max(self.rhythm.settle()),
-                    Phase::Search | Phase::Inquire { .. } => self.rhythm.settle(),
+                    Phase::Begin { answered: 0, .. } if self.search.is_quick() => {
+                        self.rhythm.longest().max(WATCH)
+                    }
+                    Phase::Begin { answered: 0, .. } => self.options.pace.answer_timeout,
+                    Phase::Begin { .. } | Phase::Search | Phase::Inquire { .. } => {
+                        self.rhythm.settle()
+                    }
                 };
                 self.turn = Turn::Settle { first: now, until: now + wait };
             }

@@ -56,9 +56,9 @@ impl Rhythm {
     }
 
     /// How long without an answer is silence: four mean deviations behind the mean, as a time-out
-    /// of TCP, so that one slow answer is not waited for ever after.
+    /// of TCP, so that one slow answer is not waited for ever after; the slowest device included.
     pub(super) fn silence(&self, pace: &Pace) -> Micros {
-        let usual = self.mean + self.deviation.times(4) + MARGIN;
+        let usual = self.mean + self.deviation.times(4) + self.settle() + MARGIN;
         usual.min(pace.answer_timeout)
     }
 
