@@ -9,6 +9,7 @@
 extern crate std;
 
 pub mod detect;
+pub mod fault;
 pub mod rates;
 pub mod timing;
 pub mod units;
