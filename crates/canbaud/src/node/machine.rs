@@ -260,7 +260,7 @@ impl<const N: usize, const R: usize> Node<N, R> {
         match &mut self.phase {
             Phase::Silent(_) => match input {
                 Input::Ready(configured) => self.search.listening(now, *configured),
-                Input::Refused => self.search.refused(),
+                Input::Refused => self.search.refused(now),
                 Input::Heard(observation) => self.search.heard(now, observation),
                 Input::Sent | Input::Fault { .. } => {}
             },
@@ -371,14 +371,13 @@ impl<const N: usize, const R: usize> Node<N, R> {
                 (RateSetting::Automatic, Silence::Break { hold, .. }) => Trust::Until(now + hold),
                 _ => Trust::OnTrial,
             };
-            return self.take_part(Candidate::classic(self.first()), trust);
+            let rate = self.settings.rate.bitrate().unwrap_or_else(|| self.first());
+            return self.take_part(Candidate::classic(rate), trust);
         }
-        let wanted = match self.search.wish() {
-            Some(Wish::Listen(candidate)) => Mode::Listening(candidate),
-            Some(Wish::Stop) | None => Mode::Off,
-        };
-        if wanted != self.wanted {
-            self.want(wanted);
+        match self.search.take_wish() {
+            Some(Wish::Listen(candidate)) => self.want(Mode::Listening(candidate)),
+            Some(Wish::Stop) => self.want(Mode::Off),
+            None => {}
         }
     }
 

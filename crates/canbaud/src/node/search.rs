@@ -57,7 +57,12 @@ enum Method<const N: usize, const R: usize> {
     /// The timer measures, and nothing confirms but taking part.
     Measure(Measure<N>),
     /// The timer measures, the controller confirms.
-    MeasureAndListen { measure: Measure<N>, listening: Candidate, confirmation: Confirmation },
+    MeasureAndListen {
+        measure: Measure<N>,
+        listening: Candidate,
+        confirmation: Confirmation,
+        told: bool,
+    },
     /// The controller listens at one rate after the other.
     Scan { scan: Scan<R>, wish: Option<Wish> },
 }
@@ -81,6 +86,7 @@ impl<const N: usize, const R: usize> Search<N, R> {
                 measure: Measure::new(timebase),
                 listening: Candidate::classic(first),
                 confirmation: Confirmation::default(),
+                told: false,
             },
             Means::Controller(capabilities) => {
                 // The list was checked to fit when the node was made.
@@ -106,12 +112,18 @@ impl<const N: usize, const R: usize> Search<N, R> {
         matches!(self.measured, Measured::Foreign)
     }
 
-    /// What the controller should do now.
-    pub(super) const fn wish(&self) -> Option<Wish> {
-        match &self.method {
-            Method::Measure(_) => Some(Wish::Stop),
-            Method::MeasureAndListen { listening, .. } => Some(Wish::Listen(*listening)),
-            Method::Scan { wish, .. } => *wish,
+    /// What the controller should do now, told once.
+    pub(super) const fn take_wish(&mut self) -> Option<Wish> {
+        match &mut self.method {
+            Method::Measure(_) => None,
+            Method::MeasureAndListen { listening, told, .. } => {
+                if core::mem::replace(told, true) {
+                    None
+                } else {
+                    Some(Wish::Listen(*listening))
+                }
+            }
+            Method::Scan { wish, .. } => wish.take(),
         }
     }
 
@@ -150,12 +162,13 @@ impl<const N: usize, const R: usize> Search<N, R> {
     }
 
     /// The controller cannot listen as wished.
-    pub(super) fn refused(&mut self) {
+    pub(super) fn refused(&mut self, now: Micros) {
         match &mut self.method {
-            Method::Scan { scan, .. } => scan.handle_refused(),
+            Method::Scan { scan, .. } => scan.handle_refused(now),
             // Perhaps the next measurement says something else.
             Method::Measure(measure) | Method::MeasureAndListen { measure, .. } => {
                 measure.restart();
+                self.measured = Measured::Foreign;
             }
         }
     }
@@ -196,12 +209,13 @@ impl<const N: usize, const R: usize> Search<N, R> {
                 let Measured::Rate { rate, certain: true } = self.measured else { return None };
                 Some(Fit { candidate: Candidate::classic(rate), confirmed: false })
             }
-            Method::MeasureAndListen { measure, listening, confirmation } => {
+            Method::MeasureAndListen { measure, listening, confirmation, told } => {
                 self.measured = measure.poll(now, self.rates).unwrap_or(self.measured);
                 let fits = match self.measured {
                     Measured::Rate { rate, .. } if rate != listening.nominal => {
                         *listening = Candidate::classic(rate);
                         *confirmation = Confirmation::default();
+                        *told = false;
                         false
                     }
                     Measured::Rate { .. } => confirmation.seen,
