@@ -8,8 +8,10 @@ use crate::wire::Logic;
 const QUIET: Micros = Micros::from_ms(5);
 /// How far a bus may be from a rate of the device: two clocks and the measurement.
 const REACH_PPM: u64 = 20_000;
-/// Proof that suffices without a controller that confirms it: two frames.
+/// Proof that suffices without a controller that confirms it: two different frames.
 const CERTAIN_BITS: u32 = 20;
+/// Or this many that may be alike, as a lone sender repeats one for ever.
+const CERTAIN_FRAMES: u32 = 4;
 
 /// What the timer knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -124,6 +126,7 @@ impl<const N: usize> Measure<N> {
         if found.data != DataPhase::NoFd || apart(nearest) > reach {
             return Some(Measured::Foreign);
         }
-        Some(Measured::Rate { rate: *nearest, certain: found.proof_bits >= CERTAIN_BITS })
+        let certain = found.proof_bits >= CERTAIN_BITS || found.proven_frames >= CERTAIN_FRAMES;
+        Some(Measured::Rate { rate: *nearest, certain })
     }
 }
