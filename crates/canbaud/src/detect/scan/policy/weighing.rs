@@ -88,18 +88,18 @@ impl<const N: usize> Scan<N> {
         if at_delimiter && step.burst.is_none() {
             return self.unacknowledged(step);
         }
-        let burst = self.hear_error(step, at);
+        let burst = Self::hear_error(step, at);
         burst.in_arbitration |= place == ErrorPlace::Arbitration;
         self.traffic.tells_arbitration |= place == ErrorPlace::Arbitration;
         self.after_error(step)
     }
 
     pub(super) fn weighing_counted(&mut self, step: &mut Step, at: Micros) -> Decision {
-        self.hear_error(step, at).closest = Micros(0);
+        Self::hear_error(step, at).closest = Micros(0);
         self.after_error(step)
     }
 
-    fn hear_error<'a>(&self, step: &'a mut Step, at: Micros) -> &'a mut Burst {
+    fn hear_error(step: &mut Step, at: Micros) -> &mut Burst {
         match &mut step.burst {
             Some(burst) => {
                 burst.add(at);
@@ -112,6 +112,10 @@ impl<const N: usize> Scan<N> {
     fn after_error(&mut self, step: &mut Step) -> Decision {
         match step.burst {
             Some(burst) if burst.count >= ENOUGH => self.conclude(step, burst),
+            // One in each frame: no wrong rate shows more by waiting.
+            Some(burst) if burst.count >= 3 && burst.is_sparse(step.configured.nominal) => {
+                self.conclude(step, burst)
+            }
             _ => Decision::Stay,
         }
     }
@@ -160,6 +164,9 @@ impl<const N: usize> Scan<N> {
     /// and one that is sent again would have come.
     fn hush(&self, step: &Step, burst: &Burst) -> Micros {
         let within = self.slowest().map_or(Micros(0), |rate| Micros::of_bits(24, rate));
+        if burst.count >= 4 && burst.is_faithful(step.configured.nominal) {
+            return within.min(burst.spacing().times(6));
+        }
         if burst.count > 1 {
             return within;
         }
@@ -180,7 +187,8 @@ impl<const N: usize> Scan<N> {
             if at == step.at {
                 track.errors = track.errors.saturating_add(1);
                 track.in_arbitration += u32::from(burst.in_arbitration);
-                track.weight = track.weight.saturating_sub(against);
+                let times = if burst.count > 1 { 2 } else { 1 };
+                track.weight = track.weight.saturating_sub(times * against);
             } else if step.frames == 0 {
                 let bits = explain(&burst, listened_at, candidate.nominal);
                 track.weight = track.weight.saturating_add(bits);
