@@ -4,7 +4,7 @@ use canbaud::detect::scan::{
     Candidate, Capabilities, Configured, ErrorClass, ErrorPlace, ErrorSeen, Evidence, FdSupport,
     FrameSeen, Observation, Origin, RateChoice,
 };
-use canbaud::fault::{self, WARNING_LIMIT};
+use canbaud::fault;
 use canbaud::lss::{NodeId, RateSetting};
 use canbaud::node::{Action, Input, Means, NmtState, Node, Settings, Stage, load, save};
 use canbaud::timing::default_sample_point;
@@ -150,6 +150,15 @@ pub(crate) const fn time(micros: Micros) -> Time {
     Time::from_fs(micros.0.saturating_mul(FS_PER_US))
 }
 
+/// Who else took part at a rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Company {
+    /// Nobody: it was the first, or its rate is wrong.
+    Nobody,
+    /// Somebody.
+    Somebody,
+}
+
 /// A device began to take part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Joined {
@@ -157,6 +166,8 @@ pub struct Joined {
     pub at: Time,
     /// At which rate.
     pub bitrate: Bitrate,
+    /// Who else took part at it.
+    pub company: Company,
 }
 
 /// A device on a simulated bus.
@@ -174,7 +185,6 @@ pub struct Device {
     next_pdo: Time,
     pdo_pending: bool,
     counter: u8,
-    warned: bool,
     joined: Vec<Joined>,
     line: Level,
 }
@@ -207,7 +217,6 @@ impl Device {
             next_pdo: Time::NEVER,
             pdo_pending: false,
             counter: 0,
-            warned: false,
             joined: Vec::new(),
             line: Level::Recessive,
         })
@@ -268,9 +277,7 @@ impl Device {
     /// Whether it must not drive the bus.
     #[must_use]
     pub fn must_be_silent(&self) -> bool {
-        self.software
-            .as_ref()
-            .is_none_or(|node| !matches!(node.stage(), Stage::TakingPart { .. }))
+        self.software.as_ref().is_none_or(|node| !matches!(node.stage(), Stage::TakingPart { .. }))
     }
 
     /// Whether its timer follows the edges now.
@@ -366,9 +373,9 @@ impl Device {
                 }
             }
             Event::Counted { tec, rec, .. } => {
-                let warns = *tec >= WARNING_LIMIT || *rec >= WARNING_LIMIT;
-                if core::mem::replace(&mut self.warned, warns) != warns {
-                    let state = fault::State::of(*tec, *rec);
+                let state = fault::State::of(*tec, *rec);
+                // Bus-off is told by the controller itself.
+                if state != fault::State::BusOff {
                     node.handle(now, &Input::Fault { state, tec: *tec, rec: *rec });
                 }
             }
@@ -392,9 +399,7 @@ impl Device {
     /// Does what is due.
     pub fn turn(&mut self, sim: &mut Simulation) {
         let now = micros(sim.now());
-        if let Some((_, config, configured)) =
-            self.switching.take_if(|(at, ..)| *at <= sim.now())
-        {
+        if let Some((_, config, configured)) = self.switching.take_if(|(at, ..)| *at <= sim.now()) {
             self.set_up(sim, config);
             if let Some(node) = &mut self.software {
                 node.handle(now, &Input::Ready(configured));
@@ -422,7 +427,9 @@ impl Device {
             }
             Action::Listen(candidate) => self.switch(candidate, Purpose::Listen, sim),
             Action::TakePart(candidate) => {
-                self.joined.push(Joined { at: sim.now(), bitrate: candidate.nominal });
+                let (at, bitrate) = (sim.now(), candidate.nominal);
+                let company = self.company(bitrate, sim);
+                self.joined.push(Joined { at, bitrate, company });
                 self.switch(candidate, Purpose::TakePart, sim);
             }
             Action::Send(frame) => {
@@ -437,9 +444,20 @@ impl Device {
         }
     }
 
+    /// Who takes part at `bitrate`, by the controllers' bit timing.
+    fn company(&self, bitrate: Bitrate, sim: &Simulation) -> Company {
+        let others = sim.nodes().iter().enumerate().filter(|(place, _)| *place != self.id.0);
+        let mut others = others.map(|(_, node)| node.config()).filter(|config| config.can_drive());
+        let alike = |config: &NodeConfig| {
+            let periods = u64::from(config.nominal.prescaler() * config.nominal.quanta());
+            let rate = config.oscillator.hertz / periods;
+            rate.abs_diff(bitrate.bits_per_second().into()) <= rate / 100
+        };
+        if others.any(alike) { Company::Somebody } else { Company::Nobody }
+    }
+
     fn switch(&mut self, candidate: &Candidate, purpose: Purpose, sim: &mut Simulation) {
         self.forget_requests(sim);
-        self.warned = false;
         let mut config = blank(&self.config);
         self.set_up(sim, NodeConfig { mode: Mode::Disabled, ..config.clone() });
         let rate = candidate.nominal.bits_per_second();

@@ -9,15 +9,17 @@
 #![forbid(unsafe_code)]
 
 mod ap2925;
+mod day;
 mod device;
 mod ears;
 mod memory;
+pub mod mission;
 mod network;
 mod plant;
-pub mod mission;
 
 pub use ap2925::{Ap2925, Ap2925Table};
-pub use device::{Device, DeviceConfig, Joined, Listener};
+pub use day::{Report, Shift};
+pub use device::{Company, Device, DeviceConfig, Joined, Listener};
 pub use memory::Memory;
 pub use network::{Network, Tally};
 pub use plant::{Mix, Outcome, Plant};

@@ -2,10 +2,9 @@
 
 use canbaud::detect::scan::Evidence;
 use canbaud::lss::RateSetting;
-use canbaud::units::Bitrate;
 use canbaud_sim::{Blind, Observer, Rng, Span, Time};
 
-use crate::device::{DeviceConfig, Listener};
+use crate::device::{Company, DeviceConfig, Listener};
 use crate::network::Network;
 
 /// What the devices of a network can look for the rate with.
@@ -33,7 +32,7 @@ pub struct Outcome {
     pub all_operational: Option<Span>,
     /// Dominant levels of devices that had to be silent.
     pub broken_silence: u64,
-    /// Devices that took part at another rate than that of the manager.
+    /// Times that a device took part at a rate at which nobody else did.
     pub wrong_joins: u64,
 }
 
@@ -60,6 +59,15 @@ impl Plant {
     /// If a clock is impossible, which none here is.
     #[must_use]
     pub fn build(&self) -> (Network, Vec<Time>) {
+        self.build_with(|_| {})
+    }
+
+    /// The same with `edit` applied to each device.
+    ///
+    /// # Panics
+    /// If a clock is impossible.
+    #[must_use]
+    pub fn build_with(&self, edit: impl Fn(&mut DeviceConfig)) -> (Network, Vec<Time>) {
         let mut rng = Rng::for_purpose(self.seed, 1);
         let mut network = Network::new(self.seed);
         let mut times = Vec::new();
@@ -70,6 +78,7 @@ impl Plant {
             };
             config.ppb = rng.below(400_000) as i64 - 200_000;
             config.settings.seed = rng.bits();
+            edit(&mut config);
             let place = network.add(config).expect("a clock within range");
             // Some were here before, some come from another network, some are new.
             let memory = match rng.below(4) {
@@ -140,18 +149,16 @@ impl Plant {
         Outcome {
             all_operational: done.then(|| network.sim().now().since(Time::ZERO)),
             broken_silence: network.tally().broken_silence,
-            wrong_joins: wrong_joins(network, self.bitrate),
+            wrong_joins: wrong_joins(network),
         }
     }
 }
 
-/// How often a device with automatic detection took part at another rate than `bitrate`.
+/// How often a device with automatic detection took part at a rate at which nobody else did.
 #[must_use]
-pub(crate) fn wrong_joins(network: &Network, bitrate: u32) -> u64 {
-    let automatic = |device: &&crate::Device| {
-        device.config().settings.rate == RateSetting::Automatic
-    };
-    let rate = Bitrate::new(bitrate);
+pub(crate) fn wrong_joins(network: &Network) -> u64 {
+    let automatic =
+        |device: &&crate::Device| device.config().settings.rate == RateSetting::Automatic;
     let joins = network.devices().iter().filter(automatic).flat_map(|device| device.joined());
-    joins.filter(|joined| Some(joined.bitrate) != rate).count() as u64
+    joins.filter(|joined| joined.company == Company::Nobody).count() as u64
 }

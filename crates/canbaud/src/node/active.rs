@@ -1,7 +1,7 @@
 //! A node that takes part: boot-up message, heartbeat, network management, and doubt.
 
 use super::nmt::{NmtCommand, NmtState, boot_up, heartbeat, is_asking_for_start, start};
-use super::settings::{Settings, Startup};
+use super::settings::{Settings, Silence, Startup};
 use super::signal::{Input, Sending};
 use crate::detect::scan::{
     Candidate, ErrorClass, ErrorPlace, ErrorSeen, FrameSeen, Observation, Origin,
@@ -14,6 +14,10 @@ use crate::wire::Frame;
 /// rate. Error passive it disturbs nobody.
 const DOUBT: Micros = Micros::from_ms(100);
 
+/// So long a frame may wait for an acknowledgement before the node listens again: alone on its rate
+/// it would keep others, at another one, from ever sending.
+const ANSWER: Micros = Micros::from_ms(1000);
+
 /// How sure a node is of its rate when it begins to take part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Trust {
@@ -21,8 +25,6 @@ pub(super) enum Trust {
     Sure,
     /// The first error before a good frame sends it back to listening.
     OnTrial,
-    /// The same, and so does it if nobody has acknowledged by then.
-    Until(Micros),
 }
 
 /// Why a node stops taking part.
@@ -54,9 +56,13 @@ pub(super) struct Active {
     /// `None` before the boot-up message is out.
     nmt: Option<NmtState>,
     under_way: UnderWay,
+    /// Since when.
+    sending_since: Micros,
     heartbeat_at: Option<Micros>,
     /// Node-IDs that the mini-master has to start, one bit each; bit 0 is all.
     starts: u128,
+    /// REC is past the passive limit.
+    deaf: bool,
     doubt_at: Option<Micros>,
     warning: bool,
 }
@@ -69,8 +75,10 @@ impl Active {
             good: false,
             nmt: None,
             under_way: UnderWay::Nothing,
+            sending_since: Micros(0),
             heartbeat_at: None,
             starts: 0,
+            deaf: false,
             doubt_at: None,
             warning: false,
         }
@@ -100,7 +108,7 @@ impl Active {
     ) -> Option<Leave> {
         match input {
             Input::Heard(Observation::Frame(FrameSeen { frame, origin: Origin::Bus, .. })) => {
-                self.note_good();
+                self.note_good(now);
                 self.receive(now, frame, settings, reset);
                 None
             }
@@ -117,9 +125,13 @@ impl Active {
         }
     }
 
-    const fn note_good(&mut self) {
+    fn note_good(&mut self, now: Micros) {
         self.good = true;
-        self.doubt_at = None;
+        self.plan_doubt(now);
+    }
+
+    fn plan_doubt(&mut self, now: Micros) {
+        self.doubt_at = self.deaf.then(|| now + DOUBT);
     }
 
     fn sent(&mut self, now: Micros, settings: &Settings) {
@@ -127,7 +139,7 @@ impl Active {
         if was == UnderWay::Nothing {
             return;
         }
-        self.note_good();
+        self.note_good(now);
         if was == UnderWay::BootUp {
             self.heartbeat_at = settings.heartbeat.map(|period| now + period);
             self.nmt = Some(NmtState::PreOperational);
@@ -171,27 +183,36 @@ impl Active {
 
     fn fault(&mut self, now: Micros, state: State, tec: u16, rec: u16) -> Option<Leave> {
         self.warning = tec >= WARNING_LIMIT || rec >= WARNING_LIMIT;
-        match state {
-            State::BusOff => Some(Leave::BusOff),
-            State::ErrorPassive if rec > ERROR_ACTIVE_MAX => {
-                self.doubt_at = self.doubt_at.or(Some(now + DOUBT));
-                None
-            }
-            State::ErrorPassive | State::ErrorActive => {
-                self.doubt_at = None;
-                None
-            }
+        if state == State::BusOff {
+            return Some(Leave::BusOff);
         }
+        let deaf = state == State::ErrorPassive && rec > ERROR_ACTIVE_MAX;
+        if core::mem::replace(&mut self.deaf, deaf) != deaf {
+            self.plan_doubt(now);
+        }
+        None
+    }
+
+    /// When nobody has answered for too long. A mini-master goes on: its first message is what the
+    /// others find the rate by \[Koppe\].
+    fn unanswered_at(&self, settings: &Settings) -> Option<Micros> {
+        let patience = match settings.silence {
+            Silence::Break { hold, .. } => hold,
+            Silence::Wait => ANSWER,
+        };
+        let waits = self.under_way != UnderWay::Nothing && settings.may_detect();
+        waits.then(|| self.sending_since + patience)
     }
 
     /// Whether it is time to leave.
-    pub(super) fn leave(&self, now: Micros) -> Option<Leave> {
-        if self.doubt_at.is_some_and(|at| at <= now) {
-            return Some(Leave::Misfit);
-        }
-        match self.trust {
-            Trust::Until(at) if !self.good && at <= now => Some(Leave::NobodyThere),
-            _ => None,
+    pub(super) fn leave(&self, now: Micros, settings: &Settings) -> Option<Leave> {
+        let over = |at: Option<Micros>| at.is_some_and(|at| at <= now);
+        if over(self.doubt_at) {
+            Some(Leave::Misfit)
+        } else if over(self.unanswered_at(settings)) {
+            Some(Leave::NobodyThere)
+        } else {
+            None
         }
     }
 
@@ -203,6 +224,7 @@ impl Active {
         let Some(nmt) = self.nmt else {
             let frame = boot_up(settings.node_id)?;
             self.under_way = UnderWay::BootUp;
+            self.sending_since = now;
             return Some(frame);
         };
         let frame = if self.starts != 0 {
@@ -217,20 +239,20 @@ impl Active {
             heartbeat(settings.node_id, nmt)?
         };
         self.under_way = UnderWay::Other;
+        self.sending_since = now;
         Some(frame)
     }
 
     /// When there is something to do.
-    pub(super) fn deadline(&self, sending: Sending) -> Option<Micros> {
+    pub(super) fn deadline(&self, sending: Sending, settings: &Settings) -> Option<Micros> {
         let heartbeat = match (self.under_way, sending) {
             (UnderWay::Nothing, Sending::Allowed) => self.heartbeat_at,
             _ => None,
         };
-        let trial = match self.trust {
-            Trust::Until(at) if !self.good => Some(at),
-            _ => None,
-        };
-        [heartbeat, trial, self.doubt_at].into_iter().flatten().min()
+        let unanswered = self.unanswered_at(settings);
+        // A mini-master cannot leave, so doubt is nothing to wake up for.
+        let doubt = self.doubt_at.filter(|_| settings.may_detect());
+        [heartbeat, unanswered, doubt].into_iter().flatten().min()
     }
 }
 

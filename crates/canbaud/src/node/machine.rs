@@ -349,7 +349,7 @@ impl<const N: usize, const R: usize> Node<N, R> {
                 }
             }
             Phase::Active(active) => {
-                let leave = active.leave(now);
+                let leave = active.leave(now, &self.settings);
                 self.leave(now, leave);
             }
         }
@@ -367,12 +367,8 @@ impl<const N: usize, const R: usize> Node<N, R> {
 
     fn follow_search(&mut self, now: Micros) {
         if self.break_at.is_some_and(|at| at <= now) {
-            let trust = match (self.settings.rate, self.settings.silence) {
-                (RateSetting::Automatic, Silence::Break { hold, .. }) => Trust::Until(now + hold),
-                _ => Trust::OnTrial,
-            };
             let rate = self.settings.rate.bitrate().unwrap_or_else(|| self.first());
-            return self.take_part(Candidate::classic(rate), trust);
+            return self.take_part(Candidate::classic(rate), Trust::OnTrial);
         }
         match self.search.take_wish() {
             Some(Wish::Listen(candidate)) => self.want(Mode::Listening(candidate)),
@@ -391,7 +387,7 @@ impl<const N: usize, const R: usize> Node<N, R> {
                 [self.search.deadline(), self.break_at].into_iter().flatten().min()
             }
             (Phase::Recovering(recovering), _) => recovering.deadline(),
-            (Phase::Active(active), Told::Ready) => active.deadline(self.sending),
+            (Phase::Active(active), Told::Ready) => active.deadline(self.sending, &self.settings),
             (Phase::Active(_), Told::Yes) => None,
         }
     }

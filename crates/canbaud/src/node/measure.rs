@@ -13,6 +13,11 @@ const CERTAIN_BITS: u32 = 20;
 /// Or this many that may be alike, as a lone sender repeats one for ever.
 const CERTAIN_FRAMES: u32 = 4;
 
+/// Edges without a verdict after which a measurement begins anew. What was tried in vain counts
+/// against a proof, and a lone sender repeats one frame for ever: after noise at the beginning it
+/// would never do.
+const EDGES_MAX: u32 = 5_000;
+
 /// What the timer knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Measured {
@@ -38,6 +43,7 @@ pub(super) struct Measure<const N: usize> {
     last: u64,
     /// There were edges since the last look at the verdict.
     fresh: bool,
+    edges: u32,
     /// There were edges since the recording was last ended.
     open: bool,
     deadline: Option<Micros>,
@@ -51,6 +57,7 @@ impl<const N: usize> Measure<N> {
             recording: false,
             last: 0,
             fresh: false,
+            edges: 0,
             open: false,
             deadline: None,
         }
@@ -71,6 +78,7 @@ impl<const N: usize> Measure<N> {
         }
         self.last = ticks;
         self.fresh = true;
+        self.edges = self.edges.saturating_add(1);
         self.open = true;
     }
 
@@ -109,6 +117,10 @@ impl<const N: usize> Measure<N> {
             Verdict::Found(found) => self.rate(&found, rates),
             // The rate has changed under way.
             Verdict::Conflict { .. } => {
+                self.restart();
+                Some(Measured::Nothing)
+            }
+            Verdict::Undecided(_) if self.edges > EDGES_MAX => {
                 self.restart();
                 Some(Measured::Nothing)
             }

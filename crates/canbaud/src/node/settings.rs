@@ -44,13 +44,14 @@ pub enum Means {
 /// rate is a guess, and somebody who begins to talk at another one in that moment is disturbed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Silence {
-    /// Waits for traffic for ever.
+    /// Waits for traffic for ever. (A frame that nobody acknowledges within a second sends a node
+    /// back to listening in any case.)
     #[default]
     Wait,
     /// After `after`, and a random time up to `spread`, without any sign of life takes part at the
     /// rate that was right last, and sends the boot-up message. If nobody has acknowledged it
-    /// within `hold`, or with the first error, listens again; the next time waits up to 64 times
-    /// as long.
+    /// within `hold`, or with the first error, it listens again; the next time it waits twice as
+    /// long, up to 64 times.
     Break {
         /// Where no rate was right yet.
         default: Bitrate,
