@@ -93,7 +93,7 @@ impl Shift {
     #[must_use]
     pub fn run(&self, memories: &mut Vec<Memory>) -> Report {
         let plant = Plant { nodes: self.nodes, bitrate: 250_000, mix: Mix::Any, seed: self.seed };
-        let (mut network, _) = plant.build_with(|config| quieter(config));
+        let (mut network, _) = plant.build_with(quieter);
         memories.resize(network.devices().len(), Memory::new());
         for (place, memory) in memories.iter().enumerate() {
             network.device_mut(place).insert_memory(memory.clone());

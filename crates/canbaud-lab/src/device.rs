@@ -5,8 +5,13 @@ use canbaud::detect::scan::{
     FrameSeen, Observation, Origin, RateChoice,
 };
 use canbaud::fault;
-use canbaud::lss::{NodeId, RateSetting};
-use canbaud::node::{Action, Input, Means, NmtState, Node, Settings, Stage, load, save};
+use canbaud::lss::{
+    Automatic, Configuration, LssAddress, NodeId, RateSet, RateSetting, Slave, SlaveAction,
+    SlaveOptions,
+};
+use canbaud::node::{
+    Action, Input, Means, NmtState, Node, Sending, Settings, Stage, Startup, load, save,
+};
 use canbaud::timing::default_sample_point;
 use canbaud::units::{Bitrate, Hertz, Micros, Permille, Timebase};
 use canbaud::wire::{Frame, Level, Logic};
@@ -52,6 +57,8 @@ pub struct DeviceConfig {
     pub pdo: Option<Span>,
     /// Time between two SYNC messages, if it is their producer.
     pub sync: Option<Span>,
+    /// Its LSS address, if it is an LSS slave.
+    pub lss: Option<LssAddress>,
 }
 
 /// The lowest and the highest rate of CANopen.
@@ -77,6 +84,7 @@ impl DeviceConfig {
             ),
             pdo: None,
             sync: None,
+            lss: None,
         };
         config.settings.means = config.means();
         config
@@ -97,6 +105,13 @@ impl DeviceConfig {
     #[must_use]
     pub fn fixed(mut self, bitrate: u32) -> Self {
         self.settings.rate = fixed(bitrate);
+        self
+    }
+
+    /// The same device as an LSS slave.
+    #[must_use]
+    pub const fn with_lss(mut self, address: LssAddress) -> Self {
+        self.lss = Some(address);
         self
     }
 
@@ -182,6 +197,10 @@ pub struct Device {
     switching: Option<(Time, NodeConfig, Configured)>,
     /// Sent by [`Action::Send`] and not yet acknowledged.
     under_way: Option<Frame>,
+    lss: Option<Slave>,
+    stored: StoredConfiguration,
+    /// The LSS slave waits for the detection that it has asked for.
+    lss_waits: bool,
     next_pdo: Time,
     pdo_pending: bool,
     counter: u8,
@@ -214,6 +233,9 @@ impl Device {
             memory: Memory::new(),
             switching: None,
             under_way: None,
+            lss: None,
+            stored: StoredConfiguration(None),
+            lss_waits: false,
             next_pdo: Time::NEVER,
             pdo_pending: false,
             counter: 0,
@@ -295,6 +317,8 @@ impl Device {
         let remembered = kept.and_then(|bytes| Bitrate::new(u32::from_le_bytes(bytes)));
         let now = micros(sim.now());
         self.software = Node::new(self.config.settings, remembered, now).ok();
+        self.lss = self.config.lss.map(|address| slave(address, &self.config.settings));
+        self.lss_waits = false;
         self.next_pdo = sim.now();
         self.turn(sim);
     }
@@ -302,6 +326,7 @@ impl Device {
     /// Power goes.
     pub fn power_off(&mut self, sim: &mut Simulation) {
         self.software = None;
+        self.lss = None;
         self.switching = None;
         self.forget_requests(sim);
         self.set_up(sim, NodeConfig { mode: Mode::Disabled, ..blank(&self.config) });
@@ -334,8 +359,9 @@ impl Device {
         let Some(node) = &self.software else { return Time::NEVER };
         let deadline = node.deadline().map_or(Time::NEVER, time);
         let switching = self.switching.as_ref().map_or(Time::NEVER, |(at, ..)| *at);
+        let lss = self.lss.as_ref().map_or(Time::NEVER, |slave| time(slave.deadline()));
         let pdo = if self.produces() { self.next_pdo } else { Time::NEVER };
-        deadline.min(switching).min(pdo)
+        deadline.min(switching).min(pdo).min(lss)
     }
 
     fn period(&self) -> Option<Span> {
@@ -361,17 +387,19 @@ impl Device {
             Event::Received { frame } => {
                 let seen = FrameSeen { frame: *frame, origin: Origin::Bus, received: Some(now) };
                 node.handle(now, &Input::Heard(Observation::Frame(seen)));
+                if let (Some(slave), true) = (&mut self.lss, normal) {
+                    slave.handle(now, frame, &mut self.stored);
+                }
             }
             Event::Error { kind, place, .. } if evidence == Evidence::Errors => {
                 let error =
                     ErrorSeen { class: class(*kind), place: where_at(*place), received: Some(now) };
                 node.handle(now, &Input::Heard(Observation::Error(error)));
             }
-            Event::Counted { rec, .. } if !normal => {
-                if evidence == Evidence::Counter {
-                    node.handle(now, &Input::Heard(Observation::ReceiveErrors(*rec)));
-                }
+            Event::Counted { rec, .. } if !normal && evidence == Evidence::Counter => {
+                node.handle(now, &Input::Heard(Observation::ReceiveErrors(*rec)));
             }
+            Event::Counted { .. } if !normal => {}
             Event::Counted { tec, rec, .. } => {
                 let state = fault::State::of(*tec, *rec);
                 // Bus-off is told by the controller itself.
@@ -413,8 +441,38 @@ impl Device {
         while let Some(action) = self.software.as_mut().and_then(|node| node.poll(now)) {
             self.act(&action, sim);
         }
+        self.turn_lss(sim);
         if self.produces() && self.next_pdo <= sim.now() {
             self.produce(sim);
+        }
+    }
+
+    /// What the LSS slave wants.
+    fn turn_lss(&mut self, sim: &mut Simulation) {
+        let now = micros(sim.now());
+        if self.lss_waits && !self.must_be_silent() {
+            self.lss_waits = false;
+            self.lss.as_mut().into_iter().for_each(Slave::rate_found);
+        }
+        while let Some(action) = self.lss.as_mut().and_then(|slave| slave.poll(now)) {
+            let Some(node) = &mut self.software else { return };
+            match action {
+                SlaveAction::Send(frame) => sim.send_at(sim.now(), self.id, frame),
+                SlaveAction::StopSending => node.set_sending(Sending::Forbidden),
+                SlaveAction::ResumeSending => node.set_sending(Sending::Allowed),
+                SlaveAction::SwitchBitRate(rate) => {
+                    // The slave has offered only what can be.
+                    let _ = node.set_rate(rate, now);
+                    self.lss_waits = rate == RateSetting::Automatic;
+                }
+                SlaveAction::ResetCommunication(node_id) => {
+                    self.config.node_id = node_id;
+                    self.lss.as_mut().into_iter().for_each(Slave::reset_communication);
+                }
+            }
+            while let Some(action) = self.software.as_mut().and_then(|node| node.poll(now)) {
+                self.act(&action, sim);
+            }
         }
     }
 
@@ -495,6 +553,26 @@ impl Device {
         }
         self.next_pdo = sim.now() + period;
     }
+}
+
+/// What LSS has stored.
+#[derive(Debug, Clone, Copy)]
+struct StoredConfiguration(Option<Configuration>);
+
+impl canbaud::lss::Storage for StoredConfiguration {
+    fn store(&mut self, configuration: Configuration) -> Result<(), canbaud::lss::StoreError> {
+        self.0 = Some(configuration);
+        Ok(())
+    }
+}
+
+fn slave(address: LssAddress, settings: &Settings) -> Slave {
+    let automatic = match settings.startup {
+        Startup::Slave => Automatic::Offered,
+        Startup::MiniMaster => Automatic::Refused,
+    };
+    let options = SlaveOptions { address, rates: RateSet::ALL, automatic };
+    Slave::new(options, Configuration { node_id: settings.node_id, rate: settings.rate })
 }
 
 /// What the controller is set up for.
