@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`socketcan`] | interfaces of Linux: rtnetlink for setting up, `CAN_RAW` for hearing |
 //! | [`slcan`] | serial adapters with the Lawicel protocol and its relatives |
+//! | [`sim`] | a simulated controller on a simulated bus |
 //! | [`adapters`] | what there is on this machine, and what is known of it |
 //! | [`bus`] | channels that transmit, for LSS |
 #![forbid(unsafe_code)]
@@ -16,6 +17,7 @@ pub mod bus;
 mod clock;
 mod error;
 mod listener;
+pub mod sim;
 //SLCAN
 #[cfg(target_os = "linux")]
 pub mod socketcan;

@@ -9,11 +9,11 @@ pub(super) struct Burst {
     pub(super) last: Micros,
     /// Errors.
     pub(super) count: u32,
-    /// How many different times they were told at.
-    pub(super) moments: u32,
     /// Shortest time between two errors.
     pub(super) closest: Micros,
     pub(super) in_arbitration: bool,
+    /// They were seen in a counter only: how many there were is not known exactly.
+    pub(super) counted: bool,
 }
 
 impl Burst {
@@ -22,9 +22,9 @@ impl Burst {
             first: at,
             last: at,
             count: 1,
-            moments: 1,
             closest: Micros::MAX,
             in_arbitration: false,
+            counted: false,
         }
     }
 
@@ -36,7 +36,6 @@ impl Burst {
         }
         // Time stamps may come out of order; such a pair has no distance.
         self.closest = self.closest.min(at - self.last);
-        self.moments = self.moments.saturating_add(u32::from(at > self.last));
         self.last = self.last.max(at);
         self.count = self.count.saturating_add(1);
     }

@@ -58,7 +58,12 @@ impl<C: Controller, T: FnMut(&C) -> Micros, const N: usize> Driver<C, T, N> {
     }
 
     /// The controller.
-    pub const fn controller(&mut self) -> &mut C {
+    pub const fn controller(&self) -> &C {
+        &self.controller
+    }
+
+    /// The controller, to wait on it.
+    pub const fn controller_mut(&mut self) -> &mut C {
         &mut self.controller
     }
 

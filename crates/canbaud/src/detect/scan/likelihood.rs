@@ -30,7 +30,9 @@ pub(super) const fn error_bits(destroyed: Permille) -> i32 {
 /// The figures come from simulated frames of 0 to 8 bytes at every pair of CANopen rates
 /// (`docs/scan.md`): a receiver that is too fast tells some errors for each frame, one about every
 /// five bits of the bus, from near the beginning to near the end; one that is too slow tells one.
-pub(super) fn explain(burst: &Burst, listened_at: Bitrate, rate: Bitrate) -> i32 {
+///
+/// Where errors are told in a batch, their times are true within `slack`.
+pub(super) fn explain(burst: &Burst, listened_at: Bitrate, rate: Bitrate, slack: Micros) -> i32 {
     let (receiver, bus) = (listened_at.bits_per_second(), rate.bits_per_second());
     // The same rate with another data rate, or one that the receiver cannot tell from it.
     if receiver.abs_diff(bus) <= bus / 50 {
@@ -44,12 +46,15 @@ pub(super) fn explain(burst: &Burst, listened_at: Bitrate, rate: Bitrate) -> i32
         1 => -BIT * if many { 8 } else { 4 },
         2 | 3 => -BIT * if many { 5 } else { 2 },
         _ if burst.is_faithful(listened_at) => {
-            -(density_penalty(burst, receiver, bus) + span_penalty(burst, bus))
+            let exactly = (burst.span(), burst.span());
+            -density_penalty(burst, receiver, bus, exactly)
+                - span_penalty(bus, exactly)
                 - closest_penalty(burst, receiver, bus)
         }
-        // Only the order of magnitude of the times can be trusted.
-        _ if burst.moments >= 3 => -span_penalty(burst, bus),
-        _ => 0,
+        _ => {
+            let about = (burst.span() - slack, burst.span() + slack);
+            -density_penalty(burst, receiver, bus, about) - span_penalty(bus, about)
+        }
     }
 }
 
@@ -59,8 +64,8 @@ fn too_slow(burst: &Burst, listened_at: Bitrate) -> i32 {
         // One in each frame of a loaded bus.
         _ if burst.is_sparse(listened_at) => -BIT,
         2 | 3 => -2 * BIT,
-        4..=6 => -4 * BIT,
-        _ => -7 * BIT,
+        // On a loaded bus it does not find back, and takes one delimiter after the other amiss.
+        _ => -3 * BIT,
     }
 }
 
@@ -72,29 +77,32 @@ fn bits_of(span: Micros, bus: u32) -> i32 {
 /// No likelihood is trusted further than this.
 const WORST: i32 = 8 * BIT;
 
-/// How far the errors are apart, on average.
-fn density_penalty(burst: &Burst, receiver: u32, bus: u32) -> i32 {
+/// How far the errors are apart, on average, if their span lies between these.
+fn density_penalty(burst: &Burst, receiver: u32, bus: u32, (least, most): (Micros, Micros)) -> i32 {
     // Errors for each bit, as a logarithm, and the factor that the variance makes, in 32nds.
     let (expected, sharpness) = match receiver / bus {
         0..3 => (-44, 7),
         3..11 => (-38, 7),
         _ => (-30, 23),
     };
-    let density = log2(u64::from(burst.count - 1)) - bits_of(burst.span(), bus);
-    let off = (density - expected).clamp(-64, 64);
+    if burst.counted {
+        return 0;
+    }
+    let bits = log2(u64::from(burst.count - 1)) - expected;
+    let off = bits - bits.clamp(bits_of(least, bus), bits_of(most, bus));
+    let off = off.clamp(-64, 64);
     (off * off * sharpness / 32).min(WORST)
 }
 
-/// How long the burst is: most of a frame.
-fn span_penalty(burst: &Burst, bus: u32) -> i32 {
+/// How long the burst is, between these: most of a frame.
+fn span_penalty(bus: u32, (least, most): (Micros, Micros)) -> i32 {
     // 70 bits; beyond 125 there was more than one frame.
     const USUAL: i32 = 98;
     const LONG: i32 = 111;
-    let span = bits_of(burst.span(), bus);
-    if span > LONG {
+    if bits_of(least, bus) > LONG {
         return 3 * BIT / 2;
     }
-    let short = (USUAL - span).clamp(0, 64);
+    let short = (USUAL - bits_of(most, bus)).clamp(0, 64);
     (short * short * 5 / 32).min(WORST)
 }
 

@@ -372,7 +372,7 @@ impl<const N: usize> Scan<N> {
         self.traffic.tells = true;
         step.last_error = Some(now);
         self.sign_of_traffic(step, now);
-        self.counted(step, now)
+        self.counted(step, now, count - before)
     }
 
     fn edges_seen(&mut self, step: &mut Step, now: Micros, count: u32) -> Decision {
@@ -473,7 +473,7 @@ impl<const N: usize> Scan<N> {
     /// What speaks for and against each candidate, in the order of the list.
     pub fn standings(&self) -> impl Iterator<Item = Standing> {
         let lowest = self.tracks.iter().take(self.candidates.as_slice().len());
-        let lowest = lowest.map(|track| track.weight).min().unwrap_or(0);
+        let lowest = lowest.map(|track| track.standing()).min().unwrap_or(0);
         self.candidates.as_slice().iter().zip(&self.tracks).map(move |(candidate, track)| {
             Standing {
                 candidate: *candidate,
@@ -484,7 +484,7 @@ impl<const N: usize> Scan<N> {
                 distinct: track.distinct,
                 errors: track.errors,
                 unacknowledged: track.unacknowledged,
-                weight: track.weight.abs_diff(lowest),
+                weight: track.standing().abs_diff(lowest),
             }
         })
     }

@@ -82,7 +82,8 @@ pub enum Observation {
     Frame(FrameSeen),
     /// A protocol error.
     Error(ErrorSeen),
-    /// The receive error counter, where the controller counts but does not report errors.
+    /// The receive error counter, where the controller counts but does not report errors: read
+    /// once when listening begins, and again from time to time.
     ReceiveErrors(u16),
     /// Edges on the line since the last such observation, where the controller counts them.
     Edges(u32),

@@ -9,8 +9,10 @@ pub(super) const BIT: i32 = 16;
 /// What is known about a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Track {
-    /// Logarithm of how likely it is, against the others.
+    /// Logarithm of how likely it is, by what was heard at it and from the beginning.
     pub(super) weight: i32,
+    /// The same, by what was heard at the others.
+    pub(super) hint: i32,
     pub(super) visits: u32,
     pub(super) listened: Micros,
     pub(super) frames: u32,
@@ -32,6 +34,10 @@ pub(super) struct Track {
 }
 
 impl Track {
+    pub(super) const fn standing(&self) -> i32 {
+        self.weight.saturating_add(self.hint)
+    }
+
     /// A good frame.
     pub(super) fn note_frame(&mut self, frame: &Frame) {
         let print = fingerprint(frame);

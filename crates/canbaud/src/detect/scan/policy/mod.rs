@@ -54,10 +54,10 @@ impl<const N: usize> Scan<N> {
         }
     }
 
-    /// The receive error counter rose.
-    pub(super) fn counted(&mut self, step: &mut Step, at: Micros) -> Decision {
+    /// The receive error counter rose by `rise`.
+    pub(super) fn counted(&mut self, step: &mut Step, at: Micros, rise: u16) -> Decision {
         match self.policy() {
-            Policy::Weighing => self.weighing_counted(step, at),
+            Policy::Weighing => self.weighing_counted(step, at, rise),
             Policy::Koppe => self.koppe_error(step),
             Policy::FixedDwell => Decision::Stay,
         }

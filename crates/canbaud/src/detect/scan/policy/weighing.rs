@@ -15,12 +15,18 @@ const GOOD_FRAME: i32 = 20 * BIT;
 /// Destroyed frames that would have to be an accident at the right rate: together 2^-24.
 const REFUTED: i32 = 24 * BIT;
 /// Errors after which a burst says nothing new.
-const ENOUGH: u32 = 48;
+const ENOUGH: u32 = 16;
+/// The same where they are as far apart as frames.
+const ENOUGH_SPARSE: u32 = 6;
 /// Frames destroyed at their ACK delimiter that are waited out: a lone sender is error passive
 /// after 16 of them, and its frames are good from then on.
 const UNACKNOWLEDGED: u32 = 40;
 /// Further bursts of errors after which a rate with one good frame is left.
 const DOUBTS: u32 = 3;
+/// A candidate that much less likely than the best is out of the question, for now.
+const IN_QUESTION: i32 = 12 * BIT;
+/// What other rates can say against one, at most.
+const LEAST_HINT: i32 = -14 * BIT;
 /// Slower than this against the bus, a receiver may hear nothing at all on a loaded bus.
 const DEAF: u32 = 4;
 /// Faster than this against the bus, six bits of the receiver lie within one of the bus: no frame
@@ -28,6 +34,11 @@ const DEAF: u32 = 4;
 const NO_ACCIDENT: u32 = 6;
 /// The first time that a controller which tells no errors listens to a candidate.
 const FIRST_LOOK: Micros = Micros::from_ms(20);
+
+/// Whether a receiver may hear nothing at all of a loaded bus.
+const fn is_deaf(receiver: Bitrate, bus: Bitrate) -> bool {
+    bus.bits_per_second() / DEAF >= receiver.bits_per_second()
+}
 
 impl<const N: usize> Scan<N> {
     pub(in super::super) fn weigh_prior(&mut self) {
@@ -47,7 +58,7 @@ impl<const N: usize> Scan<N> {
         let score = |at: usize| {
             let rate = self.rate(at)?;
             let listening = Micros::of_bits(2 * bounds::LONGEST_FRAME, rate) + self.first_look(at);
-            let weight = self.tracks.get(at)?.weight;
+            let weight = self.tracks.get(at)?.standing();
             Some((weight - log2((self.reconfiguration + listening).0), rate, at))
         };
         let best = self.usable().filter_map(score);
@@ -94,8 +105,12 @@ impl<const N: usize> Scan<N> {
         self.after_error(step)
     }
 
-    pub(super) fn weighing_counted(&mut self, step: &mut Step, at: Micros) -> Decision {
-        Self::hear_error(step, at).closest = Micros(0);
+    pub(super) fn weighing_counted(&mut self, step: &mut Step, at: Micros, rise: u16) -> Decision {
+        let burst = Self::hear_error(step, at);
+        // An error counts 1, and 8 more if the bus is still dominant behind the flag.
+        burst.count = burst.count.saturating_add(u32::from(rise / 9));
+        burst.closest = Micros(0);
+        burst.counted = true;
         self.after_error(step)
     }
 
@@ -112,12 +127,18 @@ impl<const N: usize> Scan<N> {
     fn after_error(&mut self, step: &mut Step) -> Decision {
         match step.burst {
             Some(burst) if burst.count >= ENOUGH => self.conclude(step, burst),
-            // One in each frame: no wrong rate shows more by waiting.
-            Some(burst) if burst.count >= 3 && burst.is_sparse(step.configured.nominal) => {
+            Some(burst) if burst.count >= ENOUGH_SPARSE && self.is_one_a_frame(step, &burst) => {
                 self.conclude(step, burst)
             }
             _ => Decision::Stay,
         }
+    }
+
+    /// Errors as far apart as frames, and no candidate is so slow that its bits could be.
+    fn is_one_a_frame(&self, step: &Step, burst: &Burst) -> bool {
+        let rate = step.configured.nominal;
+        let slow = self.slowest().map_or(0, Bitrate::bits_per_second);
+        burst.is_sparse(rate) && rate.bits_per_second() / 8 < slow
     }
 
     /// A frame that was good up to its ACK delimiter.
@@ -152,12 +173,15 @@ impl<const N: usize> Scan<N> {
         }
     }
 
-    /// The slowest candidate that is not out of the question.
+    /// The candidates that are not out of the question.
+    fn in_question(&self) -> impl Iterator<Item = usize> {
+        let standing = |at: usize| self.tracks.get(at).map_or(i32::MIN, |track| track.standing());
+        let best = self.usable().map(standing).max().unwrap_or(0);
+        self.usable().filter(move |at| standing(*at) > best.saturating_sub(IN_QUESTION))
+    }
+
     fn slowest(&self) -> Option<Bitrate> {
-        let best = self.usable().filter_map(|at| Some(self.tracks.get(at)?.weight)).max()?;
-        let in_question =
-            |at: &usize| self.tracks.get(*at).is_some_and(|t| t.weight > best - 12 * BIT);
-        self.usable().filter(in_question).filter_map(|at| self.rate(at)).min()
+        self.in_question().filter_map(|at| self.rate(at)).min()
     }
 
     /// No error for so long ends a burst: no frame has a longer pause between two of its errors,
@@ -190,15 +214,24 @@ impl<const N: usize> Scan<N> {
                 let times = if burst.count > 1 { 2 } else { 1 };
                 track.weight = track.weight.saturating_sub(times * against);
             } else if step.frames == 0 {
-                let bits = explain(&burst, listened_at, candidate.nominal);
-                track.weight = track.weight.saturating_add(bits);
+                track.hint += explain(&burst, listened_at, candidate.nominal, self.latency);
             }
         }
+        self.level_hints();
         if step.frames > 0 && step.doubts < DOUBTS {
             step.doubts += 1;
             return Decision::Stay;
         }
         self.stay_or_leave(step.at)
+    }
+
+    /// The best hint is 0 and none goes below the least: a rate that was never listened to is
+    /// never lost to hints.
+    fn level_hints(&mut self) {
+        let best = self.usable().filter_map(|at| Some(self.tracks.get(at)?.hint)).max();
+        for track in &mut self.tracks {
+            track.hint = (track.hint - best.unwrap_or(0)).clamp(LEAST_HINT, 0);
+        }
     }
 
     fn stay_or_leave(&self, at: usize) -> Decision {
@@ -219,11 +252,19 @@ impl<const N: usize> Scan<N> {
         let frames = Micros::of_bits(2 * bounds::LONGEST_FRAME, candidate.nominal);
         match self.evidence {
             Evidence::FramesOnly => (frames + self.first_look(step.at)).min(most),
-            Evidence::Errors | Evidence::Counter if self.traffic.last.is_some() => {
-                (frames + self.traffic.pause.times(4) + self.reconfiguration).min(most)
+            Evidence::Errors | Evidence::Counter
+                if self.traffic.last.is_some() && self.may_be_deaf(candidate.nominal) =>
+            {
+                (frames + self.traffic.pause.times(8) + self.reconfiguration).min(most)
             }
             Evidence::Errors | Evidence::Counter => most,
         }
+    }
+
+    /// A candidate in question is so much faster that a receiver at `rate` may hear nothing of it.
+    fn may_be_deaf(&self, rate: Bitrate) -> bool {
+        let faster = |at: usize| self.rate(at).is_some_and(|other| is_deaf(rate, other));
+        self.in_question().any(faster)
     }
 
     /// Nothing was heard for that long.
@@ -241,9 +282,10 @@ impl<const N: usize> Scan<N> {
                 let bits = if stalled { against } else { BIT };
                 track.weight = track.weight.saturating_sub(bits);
             } else if much_faster && (known || stalled) {
-                track.weight = track.weight.saturating_add(BIT);
+                track.hint += BIT;
             }
         }
+        self.level_hints();
         step.heard = now;
         step.edges = 0;
         self.stay_or_leave(step.at)
