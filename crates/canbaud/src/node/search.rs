@@ -3,7 +3,7 @@
 use super::measure::{Measure, Measured};
 use super::settings::{Means, Settings};
 use crate::detect::scan::{
-    Action as ScanAction, Candidate, Candidates, Configured, End, ErrorClass, ErrorPlace,
+    Action as ScanAction, Candidate, Candidates, Capabilities, Configured, ErrorClass, ErrorPlace,
     ErrorSeen, FrameSeen, Observation, Origin, Outcome, Scan, Settings as ScanSettings,
 };
 use crate::units::{Bitrate, Micros};
@@ -64,7 +64,12 @@ enum Method<const N: usize, const R: usize> {
         told: bool,
     },
     /// The controller listens at one rate after the other.
-    Scan { scan: Scan<R>, wish: Option<Wish> },
+    Scan {
+        scan: Scan<R>,
+        candidates: Candidates<R>,
+        capabilities: Capabilities<'static>,
+        wish: Option<Wish>,
+    },
 }
 
 /// A search under way.
@@ -91,12 +96,13 @@ impl<const N: usize, const R: usize> Search<N, R> {
             Means::Controller(capabilities) => {
                 // The list was checked to fit when the node was made.
                 let candidates = Candidates::of_rates(settings.rates).unwrap_or_default();
-                let settings = ScanSettings {
-                    last_known: Some(first),
-                    end: End::Never,
-                    ..ScanSettings::default()
-                };
-                Method::Scan { scan: Scan::new(&candidates, &capabilities, settings), wish: None }
+                let settings = ScanSettings { last_known: Some(first), ..ScanSettings::default() };
+                Method::Scan {
+                    scan: Scan::new(&candidates, &capabilities, settings),
+                    candidates,
+                    capabilities,
+                    wish: None,
+                }
             }
         };
         Self { method, rates: settings.rates, sign: false, measured: Measured::Nothing }
@@ -224,7 +230,7 @@ impl<const N: usize, const R: usize> Search<N, R> {
                 };
                 fits.then_some(Fit { candidate: *listening, confirmed: true })
             }
-            Method::Scan { scan, wish } => {
+            Method::Scan { scan, candidates, capabilities, wish } => {
                 while let Some(action) = scan.poll(now) {
                     *wish = Some(match action {
                         ScanAction::Listen(candidate) => Wish::Listen(candidate),
@@ -235,7 +241,13 @@ impl<const N: usize, const R: usize> Search<N, R> {
                     Some(Outcome::Found(found)) => {
                         Some(Fit { candidate: found.candidate, confirmed: true })
                     }
-                    _ => None,
+                    // At its bound: what was heard meanwhile fits nothing, perhaps because the rate
+                    // has changed. It begins anew, without a memory.
+                    Some(_) => {
+                        *scan = Scan::new(candidates, capabilities, ScanSettings::default());
+                        None
+                    }
+                    None => None,
                 }
             }
         }
