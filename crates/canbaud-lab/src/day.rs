@@ -32,15 +32,14 @@ pub struct Report {
     pub broken_silence: u64,
     /// Times that a device took part at a rate that the network neither had nor had had.
     pub wrong_joins: u64,
-    /// Simulated time.
-    pub simulated: Span,
+    /// Simulated time in whole seconds: a day is longer than a [`Span`] can be.
+    pub seconds: u64,
 }
 
 impl Report {
     /// Both stretches together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
-        let sum = |a: Span, b: Span| Span::from_fs(a.femtoseconds() + b.femtoseconds());
         Self {
             power_cycles: self.power_cycles + other.power_cycles,
             cuts_while_writing: self.cuts_while_writing + other.cuts_while_writing,
@@ -52,7 +51,7 @@ impl Report {
             longest: self.longest.max(other.longest),
             broken_silence: self.broken_silence + other.broken_silence,
             wrong_joins: self.wrong_joins + other.wrong_joins,
-            simulated: sum(self.simulated, other.simulated),
+            seconds: self.seconds + other.seconds,
         }
     }
 }
@@ -120,7 +119,7 @@ impl Shift {
         for (place, memory) in memories.iter_mut().enumerate() {
             *memory = work.network.device_mut(place).memory().clone();
         }
-        work.report.simulated = work.network.sim().now().since(Time::ZERO);
+        work.report.seconds = work.network.sim().now().seconds() as u64;
         work.report.broken_silence = work.network.tally().broken_silence;
         work.report
     }
