@@ -9,7 +9,7 @@ use canbaud_sim::around::CaptureTimer;
 use canbaud_sim::check::Checker;
 use canbaud_sim::{NodeConfig, Observer, Simulation, Span, Time};
 
-use super::bench::{any_frame, running, until_joined};
+use super::bench::{any_frame, plug_in, running};
 use super::finding::{Finding, cells, kbits, ms};
 use crate::{Ap2925, Ap2925Table, DeviceConfig, Listener};
 
@@ -23,8 +23,7 @@ pub(super) fn a1() -> Finding {
     for bitrate in RATES {
         let device = DeviceConfig::automatic(5).with(Listener::Monitoring(Evidence::Errors), None);
         let (mut network, ids, place) = running(bitrate, 2, Span::from_ms(10), device, 1);
-        network.power_on(place);
-        let (joined, violations) = until_joined(&mut network, place, Span::from_s(8));
+        let (joined, violations) = plug_in(&mut network, place, Span::ZERO, Span::from_s(8));
         let errors: u64 = ids.iter().map(|id| network.errors_of(*id)).sum();
         let silence = network.tally().broken_silence;
         let rate = network.device(place).joined().first().map(|joined| joined.bitrate);
@@ -274,8 +273,7 @@ pub(super) fn a6() -> Finding {
             let at = Time::ZERO + Span::from_us(3_000 + 1_700 * n);
             network.sim_mut().dominant_at(at, Span::from_ns(100));
         }
-        network.power_on(place);
-        let (joined, violations) = until_joined(&mut network, place, Span::from_s(8));
+        let (joined, violations) = plug_in(&mut network, place, Span::ZERO, Span::from_s(8));
         let wrong = network.device(place).joined().iter();
         let wrong = wrong.filter(|joined| joined.bitrate.bits_per_second() != 500_000).count();
         let silence = network.tally().broken_silence;
@@ -343,9 +341,8 @@ pub(super) fn a8() -> Finding {
             let device = DeviceConfig::automatic(5).with(listener, timer);
             let seed = 10 + seed as u64;
             let (mut network, ids, place) = running(bitrate, 3, Span::from_ms(15), device, seed);
-            network.run_for(Span::from_us(4_321));
-            network.power_on(place);
-            let (joined, violations) = until_joined(&mut network, place, Span::from_s(8));
+            let wait = Span::from_us(4_321);
+            let (joined, violations) = plug_in(&mut network, place, wait, Span::from_s(8));
             network.run_for(Span::from_ms(50));
             let name = format!("{listener:?} at {}", kbits(bitrate));
             let errors: u64 = ids.iter().map(|id| network.errors_of(*id)).sum();

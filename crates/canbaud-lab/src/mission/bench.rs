@@ -56,17 +56,23 @@ pub(super) fn running(
     (network, ids, place)
 }
 
-/// Runs under all checkers until the device at `place` takes part; gives when, since now.
-pub(super) fn until_joined(
+/// Plugs the device at `place` in after `wait`, and runs under all checkers until it takes part;
+/// gives how long that took, and how many laws were broken.
+pub(super) fn plug_in(
     network: &mut Network,
     place: usize,
+    wait: Span,
     limit: Span,
 ) -> (Option<Span>, u64) {
-    let begin = network.sim().now();
     let mut checker = Checker::new(network.sim());
+    let begin = network.sim().now() + wait;
+    network.run_until(begin, &mut checker);
+    network.power_on(place);
     let joined = |network: &Network| !network.device(place).joined().is_empty();
     let done = network.run_while(limit, &mut checker, joined);
-    (done.then(|| network.sim().now().since(begin)), checker.violations())
+    let took = network.sim().now().since(begin);
+    network.run_until(network.sim().now() + Span::from_ms(20), &mut checker);
+    (done.then_some(took), checker.violations())
 }
 
 /// Frames that a node received, with when.

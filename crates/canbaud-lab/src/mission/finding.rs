@@ -53,10 +53,10 @@ macro_rules! cells {
 }
 pub(crate) use cells;
 
-/// Milliseconds with two decimals, seconds from 10 s on.
+/// Milliseconds, or seconds from 1 s on, with two decimals.
 pub(crate) fn ms(span: Span) -> String {
     let seconds = span.seconds();
-    if seconds >= 10.0 { format!("{seconds:.1} s") } else { format!("{:.2} ms", seconds * 1e3) }
+    if seconds >= 1.0 { format!("{seconds:.2} s") } else { format!("{:.2} ms", seconds * 1e3) }
 }
 
 /// A bit rate in kbit/s.

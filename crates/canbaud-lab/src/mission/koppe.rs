@@ -12,7 +12,7 @@ use canbaud_sim::check::Checker;
 use canbaud_sim::scenario::{Run, Scenario};
 use canbaud_sim::{Gate, Span, Time};
 
-use super::bench::{ADDRESS, Inbox, ask, module, running, talk, until_joined};
+use super::bench::{ADDRESS, Inbox, ask, module, plug_in, running, talk};
 use super::finding::{Finding, cells, kbits, ms};
 use crate::{DeviceConfig, Listener, Network};
 
@@ -77,14 +77,14 @@ fn dead_lock(device: Option<DeviceConfig>) -> (u64, usize, Option<Span>) {
 pub(super) fn k2() -> Finding {
     let mut finding = Finding::default();
     let (errors, answers, _) = dead_lock(None);
-    finding.line(format!("Dead-lock: a device stored with 125 kbit/s in a network of 500 kbit/s, looked for 30 times by LSS: {answers} answers, {errors} errors at the other nodes."));
+    finding.line(format!("Dead-lock: a device stored with 125 kbit/s in a network of 500 kbit/s, looked for 30 times by LSS within 3 s: {answers} answers, {errors} errors at the other nodes."));
     finding.require(answers == 0 && errors > 0, "no dead-lock");
     let (errors, answers, first) =
         dead_lock(Some(DeviceConfig::automatic(5).fixed(125_000).with_lss(ADDRESS)));
-    finding.require(answers >= 28, format!("{answers} answers with canbaud's node"));
+    finding.require(answers >= 29, format!("{answers} answers with canbaud's node"));
     finding.line(format!("Cure 1, the same device with canbaud's node, stored with 125 kbit/s: it listens again after its first error: {answers} answers, {errors} errors, reached within {}.", first.map_or("never".into(), ms)));
     let (errors, answers, first) = dead_lock(Some(DeviceConfig::automatic(5).with_lss(ADDRESS)));
-    finding.require(answers == 30 && errors == 0, format!("{answers} answers, {errors} errors"));
+    finding.require(answers >= 29 && errors == 0, format!("{answers} answers, {errors} errors"));
     finding.line(format!(
         "Cure 2, index 9: {answers} answers, {errors} errors, reached within {}.",
         first.map_or("never".into(), ms)
@@ -149,8 +149,7 @@ pub(super) fn k5() -> Finding {
     for bitrate in [500_000, 800_000, 1_000_000] {
         let device = DeviceConfig::automatic(5).with(Listener::None, Some(2_000_000));
         let (mut network, _, place) = running(bitrate, 1, Span::from_ms(2), device, 5);
-        network.power_on(place);
-        let (joined, violations) = until_joined(&mut network, place, Span::from_s(2));
+        let (joined, violations) = plug_in(&mut network, place, Span::ZERO, Span::from_s(2));
         let rate = network.device(place).joined().first().map(|j| j.bitrate.bits_per_second());
         finding.require(rate == Some(bitrate) && violations == 0, format!("{bitrate}: {rate:?}"));
         rows.push(cells![kbits(bitrate), joined.map_or("never".into(), ms)]);
@@ -180,8 +179,7 @@ pub(super) fn k8() -> Finding {
     finding.table(&rows);
     let device = DeviceConfig::automatic(5).with(Listener::Gate, None);
     let (mut network, ids, place) = running(500_000, 2, Span::from_ms(10), device, 6);
-    network.power_on(place);
-    let (joined, violations) = until_joined(&mut network, place, Span::from_s(8));
+    let (joined, violations) = plug_in(&mut network, place, Span::ZERO, Span::from_s(8));
     let errors: u64 = ids.iter().map(|id| network.errors_of(*id)).sum();
     let silence = network.tally().broken_silence;
     finding.require(joined.is_some() && violations + errors + silence == 0, "gate disturbs");
@@ -298,12 +296,13 @@ pub(super) fn k11() -> Finding {
     };
     wait(&mut network, &mut seen, Span::from_ms(200));
     let boots = seen.0.count(0x705, &[0]);
+    let mut asked = network.sim().now();
     for step in steps {
+        asked = network.sim().now();
         ask(&mut network, manager, step);
         wait(&mut network, &mut seen, Span::from_ms(20));
     }
     let accepted = seen.0.count(0x7E4, &[0x13, 0]);
-    let asked = network.sim().now();
     wait(&mut network, &mut seen, Span::from_s(1));
     let again = seen.0.count(0x705, &[0]);
     let silent = network.tally().broken_silence + seen.1.violations();
@@ -312,8 +311,10 @@ pub(super) fn k11() -> Finding {
         .require(boots == 1 && accepted == 1 && again == 2, format!("{boots} {accepted} {again}"));
     finding.require(silent == 0, "disturbs");
     finding.require(setting == Some(RateSetting::Automatic), "not automatic");
+    // Nobody may send before the second switch delay is over.
     let boot = seen.0.frames.iter().rev().find(|(_, frame)| frame.data() == [0]);
     let after = boot.map(|(at, _)| at.since(asked));
+    finding.require(after.is_some_and(|span| span >= Span::from_ms(100)), "boot-up too early");
     finding.line(format!("LSS at 250 kbit/s: \"configure bit timing, table 0, index 9\" is answered with 0, then activated with a switch delay of 50 ms; the device goes silent, finds 250 kbit/s, and sends its boot-up message {} after the request (two switch delays are 100 ms); dominant levels meanwhile: {silent}.", after.map_or("never".into(), ms)));
     finding
 }

@@ -4,9 +4,9 @@ use canbaud::detect::scan::Evidence;
 use canbaud::lss::Request;
 use canbaud::timing::tables::CANOPEN;
 use canbaud_sim::check::Checker;
-use canbaud_sim::{NodeConfig, Span};
+use canbaud_sim::{NodeConfig, Span, Time};
 
-use super::bench::{ADDRESS, Inbox, ask, module, running, talk, until_joined};
+use super::bench::{ADDRESS, Inbox, ask, module, plug_in, running, talk};
 use super::finding::{Finding, cells, kbits, ms};
 use crate::{DeviceConfig, Listener, Network};
 
@@ -83,19 +83,20 @@ fn bus_off(finding: &mut Finding) -> String {
     config.pdo = Some(Span::from_ms(5));
     let places: Vec<usize> =
         [manager, config].map(|config| network.add(config)).into_iter().flatten().collect();
+    let mut checker = Checker::new(network.sim());
     places.iter().for_each(|place| network.power_on(*place));
-    network.run_for(Span::from_ms(500));
-    let begin = network.sim().now();
+    let begin = Time::ZERO + Span::from_ms(500);
+    network.run_until(begin, &mut checker);
     let joins = network.device(places[1]).joined().len();
     network.sim_mut().recessive_at(begin, Span::from_ms(50));
-    network.run_for(Span::from_ms(51));
-    let mut checker = Checker::new(network.sim());
+    network.run_until(begin + Span::from_ms(51), &mut checker);
     let all = |network: &Network| network.devices().iter().all(|d| d.is_operational());
     let shorted = network.sim().now();
     let done = network.run_while(Span::from_s(10), &mut checker, all);
     let back = network.sim().now().since(shorted);
     let fell = network.device(places[1]).joined().len() > joins;
-    finding.require(done && fell && network.tally().broken_silence == 0, "bus-off: not back");
+    let broken = network.tally().broken_silence + checker.violations();
+    finding.require(done && fell && broken == 0, format!("bus-off: {done} {fell} {broken}"));
     format!(
         "line shorted for 50 ms while both send: both bus-off, both operational again {} later, nobody touched them",
         ms(back)
@@ -105,8 +106,7 @@ fn bus_off(finding: &mut Finding) -> String {
 fn beside_others(finding: &mut Finding) -> String {
     let device = DeviceConfig::automatic(5);
     let (mut network, ids, place) = running(125_000, 4, Span::from_ms(20), device, 33);
-    network.power_on(place);
-    let (joined, violations) = until_joined(&mut network, place, Span::from_s(5));
+    let (joined, violations) = plug_in(&mut network, place, Span::ZERO, Span::from_s(5));
     network.run_for(Span::from_s(2));
     let errors: u64 = ids.iter().map(|id| network.errors_of(*id)).sum();
     finding.require(joined.is_some() && violations + errors == 0, "beside others");
@@ -125,8 +125,7 @@ fn all_rates(finding: &mut Finding) -> String {
             let device = DeviceConfig::automatic(5).with(listener, timer);
             let period = Span::from_us((300_000_000 / u64::from(rate)).max(5_000));
             let (mut network, ids, place) = running(rate, 2, period, device, 34);
-            network.power_on(place);
-            let (joined, violations) = until_joined(&mut network, place, Span::from_s(9));
+            let (joined, violations) = plug_in(&mut network, place, Span::ZERO, Span::from_s(9));
             let errors: u64 = ids.iter().map(|id| network.errors_of(*id)).sum();
             let found = network.device(place).joined().first().map(|j| j.bitrate.bits_per_second());
             finding.require(found == Some(rate), format!("{}: {found:?}", kbits(rate)));
@@ -172,8 +171,7 @@ fn any_frames(finding: &mut Finding) -> String {
     for seed in 0..20 {
         let device = DeviceConfig::automatic(5);
         let (mut network, _, place) = running(250_000, 1, Span::from_ms(10), device, 360 + seed);
-        network.power_on(place);
-        let (joined, violations) = until_joined(&mut network, place, Span::from_s(5));
+        let (joined, violations) = plug_in(&mut network, place, Span::ZERO, Span::from_s(5));
         finding.require(joined.is_some() && violations == 0, format!("any frame, seed {seed}"));
         times.extend(joined);
     }

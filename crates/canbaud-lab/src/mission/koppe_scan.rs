@@ -4,7 +4,7 @@ use canbaud::detect::scan::Evidence;
 use canbaud_sim::scenario::{Run, Scenario};
 use canbaud_sim::{Blind, Rng, Span, Time};
 
-use super::bench::{running, until_joined};
+use super::bench::{plug_in, running};
 use super::finding::{Finding, cells, kbits, ms};
 use crate::{DeviceConfig, Listener};
 
@@ -67,8 +67,7 @@ fn canbaud(
             network.sim_mut().dominant_at(at, width);
         }
     }
-    network.power_on(place);
-    let (joined, violations) = until_joined(&mut network, place, Span::from_s(9));
+    let (joined, violations) = plug_in(&mut network, place, Span::ZERO, Span::from_s(9));
     (joined, network.tally().broken_silence + violations)
 }
 
