@@ -4,7 +4,8 @@ use canbaud::lss::RateSetting;
 use canbaud::units::Bitrate;
 use canbaud_sim::{Blind, Rng, Span, Time};
 
-use crate::device::{DeviceConfig, Joined};
+use crate::config::DeviceConfig;
+use crate::device::Joined;
 use crate::memory::Memory;
 use crate::network::Network;
 use crate::plant::{Mix, Plant};

@@ -331,6 +331,10 @@ impl<const N: usize, const R: usize> Node<N, R> {
 
     /// Time passes.
     fn go_on(&mut self, now: Micros) {
+        if let Phase::Active(active) = &self.phase {
+            let leave = active.leave(now, &self.settings);
+            self.leave(now, leave);
+        }
         match &mut self.phase {
             Phase::Silent(after) => {
                 let after = *after;
@@ -348,10 +352,7 @@ impl<const N: usize, const R: usize> Node<N, R> {
                     self.take_part(candidate, Trust::Sure);
                 }
             }
-            Phase::Active(active) => {
-                let leave = active.leave(now, &self.settings);
-                self.leave(now, leave);
-            }
+            Phase::Active(_) => {}
         }
     }
 

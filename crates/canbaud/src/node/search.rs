@@ -197,7 +197,7 @@ impl<const N: usize, const R: usize> Search<N, R> {
                 }
                 Observation::Error(error) if is_unacknowledged(error) => confirmation.seen = true,
                 // AP2925: on an error, measure again.
-                Observation::Error(_) if self.measured != Measured::Nothing => {
+                Observation::Error(_) if matches!(self.measured, Measured::Rate { .. }) => {
                     measure.restart();
                     self.measured = Measured::Nothing;
                     *confirmation = Confirmation::default();
