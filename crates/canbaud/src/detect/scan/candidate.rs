@@ -12,6 +12,17 @@ pub enum Capture {
     Wide,
 }
 
+impl Capture {
+    /// How far the bus may be from the receiver's rate and still be read, in thousandths: at most.
+    #[must_use]
+    pub const fn reach_permille(self) -> u64 {
+        match self {
+            Self::Usual => 17,
+            Self::Wide => 50,
+        }
+    }
+}
+
 /// What to set the controller to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Candidate {

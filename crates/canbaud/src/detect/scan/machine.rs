@@ -27,14 +27,17 @@ pub(super) struct Step {
     pub(super) at: usize,
     pub(super) since: Micros,
     pub(super) configured: Configured,
-    /// The last good frame, error or edge, or when listening began.
+    /// The last good frame or error, or when listening began.
     pub(super) heard: Micros,
     /// The last good frame or error at the ACK delimiter.
     pub(super) good: Option<Micros>,
     /// Good frames in this step.
     pub(super) frames: u32,
     pub(super) burst: Option<Burst>,
+    /// Edges since the last frame or error.
     pub(super) edges: u32,
+    /// The first of them.
+    pub(super) edges_since: Option<Micros>,
     /// The last error.
     pub(super) last_error: Option<Micros>,
     /// Bursts of errors after a good frame.
@@ -258,6 +261,7 @@ impl<const N: usize> Scan<N> {
     fn go_on(&mut self, now: Micros) {
         let late = self.visits > 0 && now + self.reconfiguration >= self.ends_at();
         self.state = match self.next() {
+            None if self.traffic.last.is_some() => return self.end(self.without_verdict()),
             None => return self.end(Outcome::Refused),
             Some(_) if late || self.all_refuted() => return self.end(self.without_verdict()),
             Some(to) => State::Switching { to, since: now, told: false },
@@ -287,6 +291,7 @@ impl<const N: usize> Scan<N> {
             frames: 0,
             burst: None,
             edges: 0,
+            edges_since: None,
             last_error: None,
             doubts: 0,
             unacknowledged: false,
@@ -378,7 +383,8 @@ impl<const N: usize> Scan<N> {
     fn edges_seen(&mut self, step: &mut Step, now: Micros, count: u32) -> Decision {
         if count > 0 && now >= step.since + self.latency {
             step.edges = step.edges.saturating_add(count);
-            self.sign_of_traffic(step, now);
+            step.edges_since = step.edges_since.or(Some(now));
+            self.traffic.last = Some(now);
         }
         Decision::Stay
     }
@@ -387,6 +393,7 @@ impl<const N: usize> Scan<N> {
         self.traffic.pause = self.traffic.pause.max(at - step.heard);
         self.traffic.last = Some(at);
         step.heard = step.heard.max(at);
+        (step.edges, step.edges_since) = (0, None);
     }
 
     fn finish_step(&mut self, step: &Step, now: Micros) {

@@ -92,10 +92,10 @@ impl<const N: usize> Scan<N> {
         self.policy() == Policy::Weighing && self.weighing_all_refuted()
     }
 
-    /// The places of the candidates that the controller has not refused.
+    /// The places of the candidates that may be the rate and that the controller has not refused.
     pub(super) fn usable(&self) -> impl Iterator<Item = usize> {
         let count = self.candidates.as_slice().len();
-        let usable = self.tracks.iter().take(count).enumerate().filter(|(_, t)| !t.refused);
-        usable.map(|(at, _)| at)
+        let tracks = self.tracks.iter().take(count).enumerate();
+        tracks.filter(|(_, track)| !track.refused && !track.ruled_out).map(|(at, _)| at)
     }
 }

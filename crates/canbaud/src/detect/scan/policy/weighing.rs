@@ -32,6 +32,8 @@ const DEAF: u32 = 4;
 /// Faster than this against the bus, six bits of the receiver lie within one of the bus: no frame
 /// can look good.
 const NO_ACCIDENT: u32 = 6;
+/// Edges that may be a disturbance.
+const FEW_EDGES: u32 = 20;
 /// The first time that a controller which tells no errors listens to a candidate.
 const FIRST_LOOK: Micros = Micros::from_ms(20);
 
@@ -47,6 +49,13 @@ impl<const N: usize> Scan<N> {
                 track.weight = LAST_KNOWN;
             }
         }
+    }
+
+    /// What the controller tells: nothing, if it had nothing to tell during a whole step and never
+    /// told an error. Some that promise to do not.
+    fn telling(&self) -> Evidence {
+        let mute = !self.traffic.tells && self.tracks.iter().any(|track| track.silences > 0);
+        if mute { Evidence::FramesOnly } else { self.evidence }
     }
 
     fn rate(&self, at: usize) -> Option<Bitrate> {
@@ -67,7 +76,7 @@ impl<const N: usize> Scan<N> {
 
     /// How long a controller that tells no errors listens to a candidate: twice as long each time.
     fn first_look(&self, at: usize) -> Micros {
-        match self.evidence {
+        match self.telling() {
             Evidence::Errors | Evidence::Counter => Micros(0),
             Evidence::FramesOnly => {
                 let silences = self.tracks.get(at).map_or(0, |track| track.silences).min(16);
@@ -85,7 +94,32 @@ impl<const N: usize> Scan<N> {
             track.weight = track.weight.saturating_add(GOOD_FRAME);
         }
         step.good = step.good.or(Some(at));
-        if track.distinct > 1 { Decision::Announce } else { Decision::Stay }
+        if track.distinct > 1 { self.announce(step) } else { Decision::Stay }
+    }
+
+    /// The nominal rate is right. Errors beside good frames may come from another data rate.
+    fn announce(&mut self, step: &Step) -> Decision {
+        let all = self.candidates.as_slice();
+        let (Some(own), Some(track)) = (all.get(step.at), self.tracks.get(step.at)) else {
+            return Decision::Leave;
+        };
+        let sibling = |at: &usize| {
+            let same = all.get(*at).is_some_and(|other| other.nominal == own.nominal);
+            same && self.tracks.get(*at).is_some_and(|track| track.errors == 0)
+        };
+        let doubtful = own.data.is_some() && track.errors > 0 && !track.switched;
+        if !doubtful || !self.usable().any(|at| sibling(&at)) {
+            return Decision::Announce;
+        }
+        let nominal = own.nominal;
+        for (candidate, track) in all.iter().zip(&mut self.tracks) {
+            track.ruled_out |= candidate.nominal != nominal;
+            track.weight = track.weight.min(0);
+        }
+        if let Some(track) = self.tracks.get_mut(step.at) {
+            track.weight = -GOOD_FRAME;
+        }
+        Decision::Leave
     }
 
     pub(super) fn weighing_error(
@@ -112,6 +146,16 @@ impl<const N: usize> Scan<N> {
         burst.closest = Micros(0);
         burst.counted = true;
         self.after_error(step)
+    }
+
+    /// When edges in which nothing could be read are proof that the receiver is too slow: the next
+    /// frame would have ended.
+    fn stalled_at(step: &Step) -> Micros {
+        let frames = Micros::of_bits(2 * bounds::LONGEST_FRAME, step.configured.nominal);
+        match step.edges_since {
+            Some(since) if step.edges > FEW_EDGES => since + frames,
+            _ => Micros::MAX,
+        }
     }
 
     fn hear_error(step: &mut Step, at: Micros) -> &mut Burst {
@@ -159,7 +203,7 @@ impl<const N: usize> Scan<N> {
         }
         match step.good {
             Some(good) => good.max(self.quiet_since(step)) + self.confirmation(step),
-            None => step.heard + self.patience(step),
+            None => (step.heard + self.patience(step)).min(Self::stalled_at(step)),
         }
     }
 
@@ -250,7 +294,7 @@ impl<const N: usize> Scan<N> {
             return Micros::of_bits(2 * bounds::RETRANSMISSION, candidate.nominal).min(most);
         }
         let frames = Micros::of_bits(2 * bounds::LONGEST_FRAME, candidate.nominal);
-        match self.evidence {
+        match self.telling() {
             Evidence::FramesOnly => (frames + self.first_look(step.at)).min(most),
             Evidence::Errors | Evidence::Counter
                 if self.traffic.last.is_some() && self.may_be_deaf(candidate.nominal) =>
@@ -269,7 +313,7 @@ impl<const N: usize> Scan<N> {
 
     /// Nothing was heard for that long.
     fn silence(&mut self, step: &mut Step, now: Micros) -> Decision {
-        let stalled = step.edges > 20;
+        let stalled = step.edges > FEW_EDGES;
         let known = self.traffic.tells && self.traffic.last.is_some();
         let Some(listened_at) = self.rate(step.at) else { return Decision::Leave };
         let against = error_bits(self.settings.destroyed);
@@ -287,7 +331,7 @@ impl<const N: usize> Scan<N> {
         }
         self.level_hints();
         step.heard = now;
-        step.edges = 0;
+        (step.edges, step.edges_since) = (0, None);
         self.stay_or_leave(step.at)
     }
 
@@ -306,7 +350,7 @@ impl<const N: usize> Scan<N> {
             })
         };
         let slowest = self.usable().filter_map(slower).min().unwrap_or(rate);
-        match self.evidence {
+        match self.telling() {
             Evidence::Errors | Evidence::Counter => {
                 Micros::of_bits(bounds::LONGEST_FRAME, slowest) + self.latency
             }
@@ -317,12 +361,16 @@ impl<const N: usize> Scan<N> {
     /// One good frame, perhaps several times, and no error since.
     fn confirmed(&mut self, step: &mut Step, now: Micros) -> Decision {
         let alone = step.frames < 3;
-        match self.evidence {
+        match self.telling() {
+            // On a busy bus, that is how an accident looks.
             Evidence::FramesOnly if alone => {
                 step.good = None;
+                if let Some(track) = self.tracks.get_mut(step.at) {
+                    track.weight = track.weight.min(2 * BIT);
+                }
                 self.silence(step, now)
             }
-            Evidence::Errors | Evidence::Counter | Evidence::FramesOnly => Decision::Announce,
+            Evidence::Errors | Evidence::Counter | Evidence::FramesOnly => self.announce(step),
         }
     }
 
