@@ -10,6 +10,7 @@
 //! | [`sim`] | a simulated controller on a simulated bus |
 //! | [`adapters`] | what there is on this machine, and what is known of it |
 //! | [`bus`] | channels that transmit, for LSS |
+//! | [`lss`] | the LSS master on one of them |
 #![forbid(unsafe_code)]
 
 pub mod adapters;
@@ -17,11 +18,12 @@ pub mod bus;
 mod clock;
 mod error;
 mod listener;
+pub mod lss;
 pub mod sim;
-//SLCAN
+pub mod slcan;
 #[cfg(target_os = "linux")]
 pub mod socketcan;
 
 pub use clock::Clock;
 pub use error::{ErrorKind, LinkError};
-pub use listener::Listener;
+pub use listener::{After, Listener};

@@ -18,7 +18,7 @@ use super::raw::{RawSocket, Reception};
 use super::restore::Saved;
 use super::rtnl::Rtnl;
 use super::setup::{Device, Profile};
-use crate::{Clock, LinkError, Listener};
+use crate::{After, Clock, LinkError, Listener};
 
 /// Changing the rate takes 3 to 21 ms with the adapters that were measured; USB may wait.
 const RECONFIGURATION: Micros = Micros::from_ms(300);
@@ -32,15 +32,6 @@ const BURST: usize = 64;
 const PEAK_USB: &str = "peak_usb";
 /// What is left of such a frame: `CAN_ERR_CNT` as an identifier.
 const PEAK_COUNTERS: u16 = 0x200;
-
-/// How to leave the interface behind a successful scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum After {
-    /// At the found rate, listening.
-    Listening,
-    /// At the found rate, taking part in the traffic.
-    Normal,
-}
 
 /// An interface that only listens; put back as it was found when it goes out of use.
 #[derive(Debug)]
@@ -98,28 +89,6 @@ impl SocketCanListener {
     #[must_use]
     pub fn driver(&self) -> Option<&str> {
         self.profile.driver.as_deref()
-    }
-
-    /// Sets `candidate` for good, instead of what was found, and sets the interface up.
-    ///
-    /// # Errors
-    /// What could not be set; the interface is put back later then.
-    pub fn keep(&mut self, candidate: &Candidate, after: After) -> Result<(), LinkError> {
-        Controller::configure(self, candidate)?;
-        let can = self.read_back()?.can.unwrap_or_default();
-        // What the scan switched for itself goes back; the mode is as the user asked.
-        let mut own = ctrlmode::BERR_REPORTING;
-        let mut values = can.ctrlmode & !TDC;
-        if after == After::Normal {
-            own |= ctrlmode::LOOPBACK | ctrlmode::PRESUME_ACK;
-            values &= !ctrlmode::LISTEN_ONLY;
-        }
-        values = values & !own | self.saved.ctrlmode() & own;
-        let mask = (can.ctrlmode | values) & !TDC;
-        self.change(&LinkChange { ctrlmode: Some((mask, values)), ..LinkChange::default() })?;
-        self.change(&LinkChange::only(Change::Up))?;
-        self.touched = false;
-        Ok(())
     }
 
     fn change(&mut self, change: &LinkChange) -> Result<(), LinkError> {
@@ -257,7 +226,7 @@ fn rate_alone(rate: Bitrate) -> TimingInfo {
 fn wide(timing: TimingInfo, limits: &TimingConst) -> Option<TimingInfo> {
     let quanta = timing.quanta();
     let longest = limits.tseg2.1.min((quanta - 1) / 2);
-    let tseg2 = longest.max((quanta - 1).checked_sub(limits.tseg1.1)?);
+    let tseg2 = longest.max((quanta - 1).saturating_sub(limits.tseg1.1));
     let tseg1 = (quanta - 1).checked_sub(tseg2)?;
     let fits = (limits.tseg1.0..=limits.tseg1.1).contains(&tseg1)
         && (limits.tseg2.0..=limits.tseg2.1).contains(&tseg2);
@@ -400,6 +369,24 @@ impl Listener for SocketCanListener {
             ));
         }
         remarks
+    }
+
+    fn keep(&mut self, candidate: &Candidate, after: After) -> Result<(), LinkError> {
+        Controller::configure(self, candidate)?;
+        let can = self.read_back()?.can.unwrap_or_default();
+        // What the scan switched for itself goes back; the mode is as the user asked.
+        let mut own = ctrlmode::BERR_REPORTING;
+        let mut values = can.ctrlmode & !TDC;
+        if after == After::Normal {
+            own |= ctrlmode::LOOPBACK | ctrlmode::PRESUME_ACK;
+            values &= !ctrlmode::LISTEN_ONLY;
+        }
+        values = values & !own | self.saved.ctrlmode() & own;
+        let mask = (can.ctrlmode | values) & !TDC;
+        self.change(&LinkChange { ctrlmode: Some((mask, values)), ..LinkChange::default() })?;
+        self.change(&LinkChange::only(Change::Up))?;
+        self.touched = false;
+        Ok(())
     }
 
     fn restore(&mut self) -> Result<(), LinkError> {

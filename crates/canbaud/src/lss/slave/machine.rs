@@ -148,10 +148,11 @@ impl Slave {
     /// Takes a received frame; what is no LSS command of a master is ignored.
     pub fn handle<S: Storage>(&mut self, now: Micros, frame: &Frame, storage: &mut S) {
         let Some(request) = Request::from_frame(frame) else { return };
-        let in_sequence = matches!(
-            request,
-            Request::SwitchStateSelective { .. } | Request::IdentifyRemoteSlave { .. }
-        );
+        let in_sequence = match request {
+            Request::IdentifyRemoteSlave { .. } => true,
+            Request::SwitchStateSelective { .. } => self.state == LssState::Waiting,
+            _ => false,
+        };
         if !in_sequence {
             self.sequence = Sequence::Idle;
         }
