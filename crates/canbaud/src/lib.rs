@@ -10,7 +10,9 @@
 extern crate std;
 
 pub mod detect;
+pub mod fault;
 pub mod lss;
+pub mod node;
 pub mod rates;
 pub mod timing;
 pub mod units;
