@@ -3,7 +3,7 @@
 use core::cmp::Ordering;
 
 use crate::clock::{Clock, Quantum, Tick};
-use crate::time::Time;
+use crate::time::{Span, Time};
 use crate::timing::BitTiming;
 
 /// Which of the two bit rates a bit has.
@@ -55,6 +55,8 @@ pub enum SyncOutcome {
 #[derive(Debug, Clone)]
 struct Segments {
     quantum: Quantum,
+    /// A whole bit.
+    bit: Quantum,
     sample: u64,
     phase_seg2: u64,
     sjw: u64,
@@ -64,6 +66,7 @@ impl Segments {
     fn new(clock: &Clock, timing: &BitTiming) -> Self {
         Self {
             quantum: clock.quantum(timing.prescaler()),
+            bit: clock.quantum(timing.prescaler() * timing.quanta()),
             sample: timing.sample_quanta().into(),
             phase_seg2: timing.phase_seg2().into(),
             sjw: timing.sjw().into(),
@@ -151,6 +154,55 @@ impl BitTime {
     }
 
     #[inline]
+    pub(crate) const fn sample_tick(&self) -> Tick {
+        self.sample
+    }
+
+    /// The last sample point.
+    #[inline]
+    pub(crate) const fn origin(&self) -> Tick {
+        self.origin
+    }
+
+    /// The tick `bits` whole bits after `from`.
+    #[inline]
+    pub(crate) fn bits_after(&self, from: Tick, bits: u32) -> Tick {
+        self.clock.after(from, &self.segments().bit, bits.into())
+    }
+
+    /// How many whole bits after `from` end at or before `time`, which is not before `from`.
+    pub(crate) fn bits_until(&self, from: Tick, time: Time) -> u64 {
+        self.clock.locate(from, &self.segments().bit, time)
+    }
+
+    /// The start of the bit that follows the sample point `last`.
+    #[inline]
+    pub(crate) fn start_after(&self, last: Tick) -> Tick {
+        let segments = self.segments();
+        self.clock.after(last, &segments.quantum, segments.phase_seg2)
+    }
+
+    /// The end of SYNC_SEG of that bit.
+    #[inline]
+    pub(crate) fn end_of_sync_seg_after(&self, last: Tick) -> Tick {
+        let segments = self.segments();
+        self.clock.after(last, &segments.quantum, segments.phase_seg2 + 1)
+    }
+
+    /// At least this lies between the start of a bit and its sample point.
+    pub(crate) const fn least_to_sample(&self) -> Span {
+        let segments = self.segments();
+        Span::from_fs(segments.quantum.femtoseconds() * segments.sample)
+    }
+
+    /// Whole bits went by in which edges did nothing but `sync`, up to the sample point `last`;
+    /// the one after that is `next`.
+    pub(crate) const fn go_by(&mut self, last: Tick, next: Tick, sync: Option<SyncOutcome>) {
+        self.begin_after(last, next);
+        self.last = sync;
+    }
+
+    #[inline]
     fn tick(&self, quanta: u64) -> Tick {
         self.clock.after(self.origin, &self.segments().quantum, quanta)
     }
@@ -161,8 +213,8 @@ impl BitTime {
     pub(crate) fn before_sample(&self, bits: u32) -> Option<Time> {
         let segments = self.segments();
         let bits = u64::from(bits);
-        // An edge to dominant comes every other bit at most.
-        let shortened = (bits / 2 + 2) * segments.sjw;
+        // A pulse between two sample points may shorten any bit.
+        let shortened = (bits + 1) * segments.sjw;
         let quanta = (bits * segments.total()).checked_sub(shortened)?;
         Some(self.clock.after(self.sample, &segments.quantum, quanta).time())
     }
@@ -183,11 +235,35 @@ impl BitTime {
     #[inline]
     pub(crate) fn advance(&mut self, rate: Rate) {
         self.rate = rate;
-        self.origin = self.sample;
-        let (phase_seg2, sample) = (self.segments().phase_seg2, self.segments().sample);
-        self.start = phase_seg2;
-        self.to_sample = phase_seg2 + sample;
-        self.place_sample();
+        let next = self.clock.next(self.sample, &self.segments().bit);
+        self.begin_after(self.sample, next);
+    }
+
+    /// Past the sample point `last`, the one of the next bit being `next`.
+    #[inline]
+    const fn begin_after(&mut self, last: Tick, next: Tick) {
+        self.origin = last;
+        self.sample = next;
+        let (start, to_sample) = (self.segments().phase_seg2, self.segments().total());
+        self.start = start;
+        self.to_sample = to_sample;
+    }
+
+    /// Past all sample points before `limit`, no edge coming in between: calls `sampled` with each
+    /// and returns how many they are.
+    #[inline]
+    pub(crate) fn pass(&mut self, limit: Time, mut sampled: impl FnMut(Time)) -> u32 {
+        let (mut last, mut next, mut count) = (self.origin, self.sample, 0);
+        while next.time() < limit {
+            sampled(next.time());
+            last = next;
+            next = self.clock.next(next, &self.segments().bit);
+            count += 1;
+        }
+        if count > 0 {
+            self.begin_after(last, next);
+        }
+        count
     }
 
     /// Lets whole bits pass until one starts at or after `time`: the bus was idle.

@@ -66,10 +66,21 @@ impl Rxd {
         self.level
     }
 
-    /// Until when [`Rxd::level_at`] returns the same level.
+    /// The next edge to come in: when, and the level after it. One whose time is over comes in at
+    /// once: it was overtaken by a later edge.
     #[inline]
-    pub(crate) fn next_change(&self, log: &EdgeLog) -> Time {
-        self.arrival(log, self.cursor.max(log.oldest())).map_or(Time::NEVER, |(at, _)| at)
+    pub(crate) fn coming(&mut self, log: &EdgeLog) -> (Time, Level) {
+        if self.cursor < log.oldest() {
+            self.skip_forgotten(log);
+        }
+        self.arrival(log, self.cursor).unwrap_or((Time::NEVER, self.level))
+    }
+
+    /// The edge that was coming, to `level`, has come in.
+    #[inline]
+    pub(crate) fn come_in(&mut self, level: Level) {
+        self.level = level;
+        self.cursor += 1;
     }
 
     /// Whether every edge that has left the star point has come in by the last
@@ -77,6 +88,18 @@ impl Rxd {
     #[inline]
     pub(crate) const fn is_settled(&self, log: &EdgeLog) -> bool {
         self.cursor == log.head()
+    }
+
+    /// When edge `number`, one to dominant at the star point at `at`, comes in.
+    #[inline]
+    pub(crate) fn dominant_arrival(&self, at: Time, number: u64) -> Time {
+        self.transceiver.to_rxd(at, Level::Dominant, self.salt ^ number)
+    }
+
+    /// All edges have come in; the last one was to `level`.
+    pub(crate) const fn settle(&mut self, log: &EdgeLog, level: Level) {
+        self.cursor = log.head();
+        self.level = level;
     }
 
     /// When the next recessive to dominant edge after the last [`Rxd::level_at`] comes in, of
@@ -88,8 +111,11 @@ impl Rxd {
 
     fn find_dominant(&self, log: &EdgeLog) -> Time {
         let mut number = self.cursor.max(log.oldest());
-        while number < log.head() {
-            let Some((at, to)) = self.arrival(log, number) else { break };
+        let mut latest = Time::ZERO;
+        while let Some((at, to)) = self.arrival(log, number) {
+            // An edge does not come in before those that left the star point earlier.
+            let at = at.max(latest);
+            latest = at;
             if to == Level::Dominant {
                 match self.arrival(log, number + 1) {
                     Some((end, _)) if end <= at => {}
