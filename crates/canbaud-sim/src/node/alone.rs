@@ -7,7 +7,7 @@ use super::config::{Gate, Mode, Tdc};
 use super::core::Node;
 use super::corners::SyncCorners;
 use super::late::Samples;
-use super::protocol::Alone;
+use super::protocol::{Alone, Score};
 use crate::bus::{Edge, EdgeLog};
 use crate::clock::Tick;
 use crate::event::Sample;
@@ -151,6 +151,11 @@ impl Node {
         plan.txd_changed = at;
         log.push(Edge { at: star, to });
         Change { at, star, to }
+    }
+
+    /// The bits of a plan, for those who listen.
+    pub(crate) fn score(&self, plan: &Plan) -> Score {
+        self.protocol.score(&plan.alone)
     }
 
     /// Does what was planned; `log` has the edges still.

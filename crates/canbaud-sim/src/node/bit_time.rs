@@ -81,13 +81,8 @@ impl Segments {
 /// Where a node is in its bit: the bit whose sample point comes next.
 ///
 /// Everything is counted in quanta from `origin`, the last sample point; edges only move counts.
-#[derive(Debug, Clone)]
-pub(crate) struct BitTime {
-    clock: Clock,
-    nominal: Segments,
-    data: Segments,
-    timings: (BitTiming, BitTiming),
-    rate: Rate,
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Position {
     origin: Tick,
     /// Quanta from the origin to the start of the bit.
     start: u64,
@@ -95,6 +90,17 @@ pub(crate) struct BitTime {
     to_sample: u64,
     sample: Tick,
     last: Option<SyncOutcome>,
+}
+
+/// The clock and the bit timings of a node, and where it is.
+#[derive(Debug, Clone)]
+pub(crate) struct BitTime {
+    clock: Clock,
+    nominal: Segments,
+    data: Segments,
+    timings: (BitTiming, BitTiming),
+    rate: Rate,
+    at: Position,
 }
 
 impl BitTime {
@@ -111,13 +117,15 @@ impl BitTime {
             data: Segments::new(&clock, &data),
             timings: (nominal, data),
             rate: Rate::Nominal,
-            origin,
-            start: 0,
-            to_sample: segments.sample,
-            sample: clock.after(origin, &segments.quantum, segments.sample),
+            at: Position {
+                origin,
+                start: 0,
+                to_sample: segments.sample,
+                sample: clock.after(origin, &segments.quantum, segments.sample),
+                last: None,
+            },
             nominal: segments,
             clock,
-            last: None,
         }
     }
 
@@ -126,8 +134,18 @@ impl BitTime {
         self.nominal = Segments::new(&clock, &self.timings.0);
         self.data = Segments::new(&clock, &self.timings.1);
         self.clock = clock;
-        self.origin = self.origin.rebased();
+        self.at.origin = self.at.origin.rebased();
         self.place_sample();
+    }
+
+    /// Where the node is.
+    pub(crate) const fn position(&self) -> Position {
+        self.at
+    }
+
+    /// Back to where the node was, at the same rate.
+    pub(crate) const fn go_back(&mut self, at: Position) {
+        self.at = at;
     }
 
     #[inline]
@@ -145,23 +163,23 @@ impl BitTime {
     /// The start of the bit whose sample point comes next.
     #[inline]
     pub(crate) fn start(&self) -> Time {
-        self.tick(self.start).time()
+        self.tick(self.at.start).time()
     }
 
     #[inline]
     pub(crate) const fn sample(&self) -> Time {
-        self.sample.time()
+        self.at.sample.time()
     }
 
     #[inline]
     pub(crate) const fn sample_tick(&self) -> Tick {
-        self.sample
+        self.at.sample
     }
 
     /// The last sample point.
     #[inline]
     pub(crate) const fn origin(&self) -> Tick {
-        self.origin
+        self.at.origin
     }
 
     /// The tick `bits` whole bits after `from`.
@@ -199,12 +217,12 @@ impl BitTime {
     /// the one after that is `next`.
     pub(crate) const fn go_by(&mut self, last: Tick, next: Tick, sync: Option<SyncOutcome>) {
         self.begin_after(last, next);
-        self.last = sync;
+        self.at.last = sync;
     }
 
     #[inline]
     fn tick(&self, quanta: u64) -> Tick {
-        self.clock.after(self.origin, &self.segments().quantum, quanta)
+        self.clock.after(self.at.origin, &self.segments().quantum, quanta)
     }
 
     /// A time before the sample point that follows the next `bits` ones, however edges shorten the
@@ -216,44 +234,46 @@ impl BitTime {
         // A pulse between two sample points may shorten any bit.
         let shortened = (bits + 1) * segments.sjw;
         let quanta = (bits * segments.total()).checked_sub(shortened)?;
-        Some(self.clock.after(self.sample, &segments.quantum, quanta).time())
+        Some(self.clock.after(self.at.sample, &segments.quantum, quanta).time())
     }
 
     /// The sample point after the next `bits` ones, if no edge comes.
     #[inline]
     pub(crate) fn sample_after(&self, bits: u32) -> Time {
         let segments = self.segments();
-        self.clock.after(self.sample, &segments.quantum, u64::from(bits) * segments.total()).time()
+        self.clock
+            .after(self.at.sample, &segments.quantum, u64::from(bits) * segments.total())
+            .time()
     }
 
     #[inline]
     fn place_sample(&mut self) {
-        self.sample = self.tick(self.to_sample);
+        self.at.sample = self.tick(self.at.to_sample);
     }
 
     /// Past the sample point: the rest of the bit and the next one have `rate`.
     #[inline]
     pub(crate) fn advance(&mut self, rate: Rate) {
         self.rate = rate;
-        let next = self.clock.next(self.sample, &self.segments().bit);
-        self.begin_after(self.sample, next);
+        let next = self.clock.next(self.at.sample, &self.segments().bit);
+        self.begin_after(self.at.sample, next);
     }
 
     /// Past the sample point `last`, the one of the next bit being `next`.
     #[inline]
     const fn begin_after(&mut self, last: Tick, next: Tick) {
-        self.origin = last;
-        self.sample = next;
+        self.at.origin = last;
+        self.at.sample = next;
         let (start, to_sample) = (self.segments().phase_seg2, self.segments().total());
-        self.start = start;
-        self.to_sample = to_sample;
+        self.at.start = start;
+        self.at.to_sample = to_sample;
     }
 
     /// Past all sample points before `limit`, no edge coming in between: calls `sampled` with each
     /// and returns how many they are.
     #[inline]
     pub(crate) fn pass(&mut self, limit: Time, mut sampled: impl FnMut(Time)) -> u32 {
-        let (mut last, mut next, mut count) = (self.origin, self.sample, 0);
+        let (mut last, mut next, mut count) = (self.at.origin, self.at.sample, 0);
         while next.time() < limit {
             sampled(next.time());
             last = next;
@@ -273,11 +293,11 @@ impl BitTime {
         }
         let segments = self.segments();
         let (total, sample) = (segments.total(), segments.sample);
-        let gone = self.clock.locate(self.origin, &segments.quantum, time) - self.start;
+        let gone = self.clock.locate(self.at.origin, &segments.quantum, time) - self.at.start;
         // The origin stays behind `time`: an edge may come before the bit starts.
-        self.origin = self.tick(self.start + gone / total * total);
-        self.start = if self.origin.time() < time { total } else { 0 };
-        self.to_sample = self.start + sample;
+        self.at.origin = self.tick(self.at.start + gone / total * total);
+        self.at.start = if self.at.origin.time() < time { total } else { 0 };
+        self.at.to_sample = self.at.start + sample;
         self.place_sample();
     }
 
@@ -287,47 +307,64 @@ impl BitTime {
     pub(crate) fn edge(&mut self, time: Time, rule: SyncRule) -> (SyncOutcome, u64) {
         let segments = self.segments();
         let (sjw, sample) = (segments.sjw, segments.sample);
-        let position = self.clock.locate(self.origin, &segments.quantum, time);
-        let outcome = match (rule, position.cmp(&self.start)) {
+        if rule == SyncRule::Both && self.is_surely_in_sync_seg(time) {
+            self.at.last = Some(SyncOutcome::InSyncSeg);
+            return (SyncOutcome::InSyncSeg, self.at.start);
+        }
+        let position = self.clock.locate(self.at.origin, &segments.quantum, time);
+        let outcome = match (rule, position.cmp(&self.at.start)) {
             (SyncRule::Off, _) | (SyncRule::NegativeOnly, Ordering::Greater) => {
                 SyncOutcome::Ignored
             }
             (SyncRule::Hard, _) => {
-                self.start = position;
-                self.to_sample = position + sample;
+                self.at.start = position;
+                self.at.to_sample = position + sample;
                 self.place_sample();
                 SyncOutcome::Hard
             }
             (_, Ordering::Equal) => SyncOutcome::InSyncSeg,
             (_, Ordering::Greater) => {
-                let error = position - self.start;
+                let error = position - self.at.start;
                 let by = error.min(sjw);
-                self.to_sample += by;
+                self.at.to_sample += by;
                 self.place_sample();
                 SyncOutcome::Lengthened { error: error as u32, by: by as u32 }
             }
             (_, Ordering::Less) => {
-                let error = self.start - position;
+                let error = self.at.start - position;
                 let by = error.min(sjw);
-                self.start -= by;
-                self.to_sample -= by;
+                self.at.start -= by;
+                self.at.to_sample -= by;
                 self.place_sample();
                 SyncOutcome::Shortened { error: error as u32, by: by as u32 }
             }
         };
-        self.last = Some(outcome);
+        self.at.last = Some(outcome);
         (outcome, position)
+    }
+
+    /// True only if `time` lies in SYNC_SEG; false near its ends, too.
+    #[inline]
+    fn is_surely_in_sync_seg(&self, time: Time) -> bool {
+        let start = self.start().femtoseconds();
+        let length = self.segments().quantum.femtoseconds();
+        (start..start + length).contains(&time.femtoseconds())
+    }
+
+    /// SJW in quanta.
+    pub(crate) const fn sjw(&self) -> u32 {
+        self.segments().sjw as u32
     }
 
     /// When a change of TXD that waits for the start of the bit takes place, after an edge in
     /// quantum `position`: the edge is seen at the end of its quantum.
     pub(crate) fn change_after_edge(&self, position: u64) -> Time {
-        self.tick(self.start.max(position + 1)).time()
+        self.tick(self.at.start.max(position + 1)).time()
     }
 
     /// What the last edge did.
     pub(crate) const fn last_sync(&self) -> Option<SyncOutcome> {
-        self.last
+        self.at.last
     }
 
     /// `quanta` quanta of the present rate after `time`, for the secondary sample point.

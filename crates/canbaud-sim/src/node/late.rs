@@ -2,10 +2,10 @@
 
 use canbaud::wire::Level;
 
-use super::bit_time::BitTime;
+use super::bit_time::Position;
 use super::core::Node;
 use super::corners::SyncCorners;
-use super::protocol::Reading;
+use super::protocol::{Protocol, Reading, Score};
 use super::sampling::Rxd;
 use crate::bus::EdgeLog;
 use crate::event::Sample;
@@ -18,6 +18,9 @@ pub(crate) trait Samples {
 
     /// A sample of one of the bits that come next.
     fn take(&mut self, at: Time, sample: Sample);
+
+    /// All that were taken are to be taken again.
+    fn forget(&mut self);
 }
 
 /// No edge ever comes in.
@@ -31,6 +34,8 @@ impl Samples for Unseen {
 
     #[inline]
     fn take(&mut self, _: Time, _: Sample) {}
+
+    fn forget(&mut self) {}
 }
 
 impl Samples for Vec<(Time, Sample)> {
@@ -39,12 +44,16 @@ impl Samples for Vec<(Time, Sample)> {
     fn take(&mut self, at: Time, sample: Sample) {
         self.push((at, sample));
     }
+
+    fn forget(&mut self) {
+        self.clear();
+    }
 }
 
 /// What reading changes in a node, as it was before.
 #[derive(Debug, Clone)]
 pub(crate) struct Before {
-    bit: BitTime,
+    position: Position,
     rxd: Rxd,
     reading: Reading,
     synchronised: bool,
@@ -75,6 +84,7 @@ impl Node {
         self.txd == Level::Recessive
             && self.change_at == Time::NEVER
             && self.forced_rxd.is_none()
+            && (self.synchronised || self.waits_for_edge())
             && self.protocol.listens()
     }
 
@@ -86,7 +96,7 @@ impl Node {
     /// What [`Node::read`] may change, to be kept.
     pub(crate) fn before(&self) -> Before {
         Before {
-            bit: self.bit.clone(),
+            position: self.bit.position(),
             rxd: self.rxd.clone(),
             reading: self.protocol.reading(),
             synchronised: self.synchronised,
@@ -97,7 +107,7 @@ impl Node {
 
     /// Back to where it was before it read.
     pub(crate) fn go_back(&mut self, before: Before) {
-        self.bit = before.bit;
+        self.bit.go_back(before.position);
         self.rxd = before.rxd;
         self.protocol.read_anew(before.reading);
         self.synchronised = before.synchronised;
@@ -115,6 +125,56 @@ impl Node {
         limit: Time,
         log: &EdgeLog,
         samples: &mut S,
+    ) -> Option<Time> {
+        let stopped = self.read_with(limit, log, samples, Protocol::read_quiet);
+        if stopped.is_none() {
+            self.end_reading(log);
+        }
+        stopped
+    }
+
+    /// Reads as [`Node::read`] does, comparing what comes in with what is sent.
+    ///
+    /// False if it is not the same, or if something comes of it; the node is of no use then until
+    /// it has gone back.
+    pub(crate) fn read_along<S: Samples>(
+        &mut self,
+        score: &Score,
+        limit: Time,
+        log: &EdgeLog,
+        samples: &mut S,
+    ) -> bool {
+        let Some(mut index) = self.protocol.in_step(score) else { return false };
+        let compare = |_: &mut Protocol, level, bits| {
+            let agreed = score.agrees(index, level, bits);
+            index += agreed as usize;
+            agreed
+        };
+        let differs = self.read_with(limit, log, samples, compare).is_some();
+        if differs || !self.protocol.keep_step(score, index) {
+            return false;
+        }
+        self.end_reading(log);
+        true
+    }
+
+    fn end_reading(&mut self, log: &EdgeLog) {
+        self.edge_at = Time::NEVER;
+        if !self.synchronised {
+            self.look_for_edge(log);
+        }
+        self.schedule();
+    }
+
+    /// Lets edges and bits in up to `limit`; `take` says how many of some equal bits it takes, and
+    /// reading ends at the first one that it does not.
+    #[inline]
+    fn read_with<S: Samples>(
+        &mut self,
+        limit: Time,
+        log: &EdgeLog,
+        samples: &mut S,
+        mut take: impl FnMut(&mut Protocol, Level, u32) -> u32,
     ) -> Option<Time> {
         let (busy, driven) = (self.protocol.is_busy(), Level::Recessive);
         let mut coming = if self.is_deaf() { SILENCE } else { self.rxd.coming(log) };
@@ -137,17 +197,12 @@ impl Node {
             let bits = self.bit.pass(coming.0.min(limit), |at| {
                 samples.take(at, Sample { level, driven, busy });
             });
-            let quiet = self.protocol.read_quiet(level, bits);
-            if quiet < bits {
-                return Some(self.bit.bits_after(from, quiet).time());
+            let taken = take(&mut self.protocol, level, bits);
+            if taken < bits {
+                return Some(self.bit.bits_after(from, taken).time());
             }
             self.synchronised = level == Level::Dominant;
         }
-        self.edge_at = Time::NEVER;
-        if !self.synchronised {
-            self.look_for_edge(log);
-        }
-        self.schedule();
         None
     }
 

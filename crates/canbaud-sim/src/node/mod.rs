@@ -20,5 +20,6 @@ pub use config::{
 pub use core::Node;
 pub use corners::SyncCorners;
 pub use fault::FaultConfinement;
-pub(crate) use late::{Before, Unseen};
+pub(crate) use late::{Before, Samples, Unseen};
+pub(crate) use protocol::Score;
 pub(crate) use steps::Step;

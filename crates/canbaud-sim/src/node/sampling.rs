@@ -113,10 +113,10 @@ impl Rxd {
         let mut number = self.cursor.max(log.oldest());
         let mut latest = Time::ZERO;
         while let Some((at, to)) = self.arrival(log, number) {
-            // An edge does not come in before those that left the star point earlier.
-            let at = at.max(latest);
-            latest = at;
             if to == Level::Dominant {
+                // It does not come in before a pulse that was eaten up before it.
+                let at = at.max(latest);
+                latest = at;
                 match self.arrival(log, number + 1) {
                     Some((end, _)) if end <= at => {}
                     Some(_) | None => return at,

@@ -42,7 +42,8 @@ impl Node {
             }
             Quiet::WhileRecessive(bits) => {
                 // The last sample was recessive, and no edge is on its way.
-                if !self.synchronised && self.edge_at == Time::NEVER && self.config.hears_bus() {
+                let still = self.waits_for_edge() && self.edge_at == Time::NEVER;
+                if still && self.config.hears_bus() {
                     self.next = self.bit.sample_after(bits);
                 }
             }
@@ -80,6 +81,13 @@ impl Node {
     #[inline]
     pub(super) fn look_for_edge(&mut self, log: &EdgeLog) {
         self.edge_at = if self.is_deaf() { Time::NEVER } else { self.rxd.next_dominant(log) };
+    }
+
+    /// Whether the next edge to dominant synchronises. A node that was set up while the bus was
+    /// dominant does not know yet.
+    #[inline]
+    pub(super) fn waits_for_edge(&self) -> bool {
+        !self.synchronised && self.rxd.level() == Level::Recessive
     }
 
     /// Whether no edge on the bus reaches it.
@@ -134,11 +142,7 @@ impl Node {
         }
         let rule = self.protocol.sync_rule(self.txd);
         let (outcome, position) = self.bit.edge(now, rule);
-        let timing = match (self.bit.rate(), &self.config.data) {
-            (Rate::Data, Some(data)) => data,
-            (Rate::Data, None) | (Rate::Nominal, _) => &self.config.nominal,
-        };
-        self.corners.note(outcome, timing.sjw());
+        self.corners.note(outcome, self.bit.sjw());
         if self.change_at != Time::NEVER {
             self.change_at = self.bit.change_after_edge(position);
         }

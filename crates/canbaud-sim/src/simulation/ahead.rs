@@ -5,8 +5,9 @@
 //! computed ends there, and what was computed beyond is taken back.
 
 use super::Simulation;
+use crate::bus::EdgeLog;
 use crate::event::{NodeId, Observer, Sample};
-use crate::node::{Before, Change, Plan, Unseen};
+use crate::node::{Before, Change, Node, Plan, Samples, Score, Unseen};
 use crate::time::{Span, Time};
 
 /// What a run computes ahead with, kept to be used again.
@@ -49,7 +50,8 @@ impl Simulation {
                 self.refresh_all();
                 return false;
             };
-            match self.listen::<O>(plan.end()) {
+            let score = self.nodes[place].score(&plan);
+            match self.listen::<O>(plan.end(), &score) {
                 None => {
                     self.follow::<O>(place, plan, observer);
                     return true;
@@ -65,39 +67,36 @@ impl Simulation {
 
     /// Whether all but the node at `place` listen or are out of it.
     fn note_listeners(&mut self, place: usize) -> bool {
-        let mut ahead = core::mem::take(&mut self.ahead.listeners);
-        ahead.clear();
-        let count = self.nodes.len();
-        let mut all = true;
-        for offset in 0..count {
-            let other = (self.ahead.suspect + offset) % count;
-            let node = &self.nodes[other];
-            if other == place || node.is_out_of_it() {
-                continue;
-            }
-            if !node.only_listens() {
-                all = false;
-                break;
-            }
-            ahead.push((other, node.before()));
+        let passive = |node: &Node| node.only_listens() || node.is_out_of_it();
+        let mut others = self.nodes.iter().enumerate().filter(|(other, _)| *other != place);
+        if !others.all(|(_, node)| passive(node)) {
+            return false;
         }
-        self.ahead.listeners = ahead;
-        all
+        self.ahead.listeners.clear();
+        let (after, first) = (self.ahead.suspect..self.nodes.len(), 0..self.ahead.suspect);
+        for other in after.chain(first) {
+            let node = &self.nodes[other];
+            if other != place && node.only_listens() {
+                self.ahead.listeners.push((other, node.before()));
+            }
+        }
+        true
     }
 
     /// Lets all listeners read up to `end`. Returns when something comes of it before that; all
     /// are back where they were then.
-    fn listen<O: Observer>(&mut self, end: Time) -> Option<Time> {
+    fn listen<O: Observer>(&mut self, end: Time, score: &Score) -> Option<Time> {
         if O::SAMPLES {
             self.ahead.samples.resize_with(self.nodes.len(), Vec::new);
             self.ahead.samples.iter_mut().for_each(Vec::clear);
         }
-        for (index, (place, _)) in self.ahead.listeners.iter().enumerate() {
-            let node = &mut self.nodes[*place];
+        for (index, (place, before)) in self.ahead.listeners.iter().enumerate() {
+            let (node, log) = (&mut self.nodes[*place], &self.line.log);
             let trouble = if O::SAMPLES {
-                node.read(end, &self.line.log, &mut self.ahead.samples[*place])
+                let samples = &mut self.ahead.samples[*place];
+                listen(node, before, end, score, log, samples)
             } else {
-                node.read(end, &self.line.log, &mut Unseen)
+                listen(node, before, end, score, log, &mut Unseen)
             };
             if trouble.is_some() {
                 self.ahead.suspect = *place;
@@ -145,6 +144,23 @@ impl Simulation {
             told.before((Time::NEVER, 0), observer);
         }
     }
+}
+
+/// Lets a listener read up to `end`, as quickly as can be. Returns when something comes of it.
+fn listen<S: Samples>(
+    node: &mut Node,
+    before: &Before,
+    end: Time,
+    score: &Score,
+    log: &EdgeLog,
+    samples: &mut S,
+) -> Option<Time> {
+    if node.read_along(score, end, log, samples) {
+        return None;
+    }
+    samples.forget();
+    node.go_back(before.clone());
+    node.read(end, log, samples)
 }
 
 /// The samples of all nodes by time, and by place where the times are the same.

@@ -1,9 +1,10 @@
 //! The part of a frame during which its sender alone drives the bus.
 
-use canbaud::wire::Level;
+use canbaud::wire::{BitString, Level};
 
 use super::machine::{Protocol, State};
-use super::reader::Reader;
+use super::reader::{Reader, Step};
+use super::transmit::run_in;
 use crate::node::bit_time::Rate;
 
 /// How far a sender has come that nobody interferes with.
@@ -25,7 +26,66 @@ impl Alone {
     }
 }
 
+/// Bits that a sole sender sends, and what whoever reads them knows before and after them.
+///
+/// A listener that knows the same before, and samples the same bits, knows the same after them.
+#[derive(Debug)]
+pub(crate) struct Score {
+    bits: BitString,
+    before: Reader,
+    after: Reader,
+}
+
+/// A listener may lag behind the sender by no more bits than this.
+const LAG: u32 = 8;
+
+impl Score {
+    /// How many of `count` bits of `level` are the ones from bit `index` on.
+    #[inline]
+    pub(crate) fn agrees(&self, index: usize, level: Level, count: u32) -> u32 {
+        let (sent, run) = run_in(&self.bits, index);
+        if sent == level { run.min(count) } else { 0 }
+    }
+
+    /// `reader` after the bits from `from` to `to`, if nothing comes of them.
+    fn read(&self, mut reader: Reader, from: u32, to: u32) -> Option<Reader> {
+        let level = |bit: u32| self.bits.level(bit as usize);
+        (from..to).all(|bit| reader.push(level(bit)) == Step::Continue).then_some(reader)
+    }
+}
+
 impl Protocol {
+    /// What the sender sends until it has come as far as `alone`.
+    pub(crate) fn score(&self, alone: &Alone) -> Score {
+        let bits = self.sending.as_ref().map_or(BitString::new(), |sending| *sending.bits());
+        Score { bits, before: self.reader.clone(), after: alone.reader.clone() }
+    }
+
+    /// The next bit of a listener that has read what the sender has sent; `None` if it has read
+    /// something else.
+    pub(crate) fn in_step(&self, score: &Score) -> Option<usize> {
+        let (read, sent) = (self.reader.bits(), score.before.bits());
+        let may = self.state == State::Frame && (read..=read + LAG).contains(&sent);
+        if !may || self.reader.expects_res() {
+            return None;
+        }
+        let reader = score.read(self.reader.clone(), read, sent)?;
+        (reader == score.before).then_some(read as usize)
+    }
+
+    /// A listener in step has sampled all bits before bit `index`. False if something came of that,
+    /// or may have.
+    pub(crate) fn keep_step(&mut self, score: &Score, index: usize) -> bool {
+        let (read, known) = (index as u32, score.after.bits());
+        if read < known {
+            return false;
+        }
+        let reader = score.read(score.after.clone(), known, read);
+        let quiet = reader.is_some();
+        self.reader = reader.unwrap_or_else(|| score.after.clone());
+        quiet
+    }
+
     /// A sender inside of its frame, and how many bits lie before the end of the CRC field, where
     /// others may drive the bus, too.
     pub(crate) fn alone(&self) -> Option<(Alone, u32)> {

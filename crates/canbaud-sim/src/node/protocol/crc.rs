@@ -45,7 +45,7 @@ static CRC21: Generator = Generator::new(0x10_2899, 21);
 
 /// Bits from SOF on that wait until it is known which register they go into: up to 41 and the
 /// stuff bits among them.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct Waiting {
     bits: u64,
     count: u32,
@@ -82,7 +82,7 @@ enum Choice {
 }
 
 /// CRC-15 over the bits without stuff bits, CRC-17 and CRC-21 over the bits with them.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct RunningCrc {
     choice: Choice,
     fd_crc: FdCrc,

@@ -8,5 +8,5 @@ mod machine;
 mod reader;
 mod transmit;
 
-pub(crate) use alone::Alone;
+pub(crate) use alone::{Alone, Score};
 pub(crate) use machine::{Protocol, Quiet, Reading, Setup};

@@ -50,10 +50,12 @@ pub(super) enum Step {
 }
 
 /// The part of a frame that has been read.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Reader {
     support: FdSupport,
     fd_crc: FdCrc,
+    /// Bits read, with SOF and stuff bits.
+    bits: u32,
     field: Field,
     /// Bits of the field that are still to come.
     left: u32,
@@ -82,6 +84,7 @@ impl Reader {
         Self {
             support,
             fd_crc,
+            bits: 0,
             field: Field::Sof,
             left: 1,
             value: 0,
@@ -106,21 +109,12 @@ impl Reader {
 
     /// Begins anew, before SOF.
     pub(super) fn reset(&mut self) {
-        self.field = Field::Sof;
-        self.left = 1;
-        self.value = 0;
-        self.last = Level::Recessive;
-        self.run = 0;
-        self.stuff_bits = 0;
-        self.crc = RunningCrc::new(self.fd_crc);
-        self.crc_good = true;
-        self.extended = false;
-        self.remote = false;
-        self.fd = false;
-        self.brs = false;
-        self.esi = false;
-        self.length = 0;
-        self.filled = 0;
+        *self = Self::new(self.support, self.fd_crc);
+    }
+
+    /// Bits read, with SOF and stuff bits.
+    pub(super) const fn bits(&self) -> u32 {
+        self.bits
     }
 
     /// Whether the next bit is one of dynamic stuffing.
@@ -250,6 +244,7 @@ impl Reader {
                 (self.take(level, count), count)
             };
             done += count;
+            self.bits += count;
             if step != Step::Continue {
                 return (done - 1, step);
             }

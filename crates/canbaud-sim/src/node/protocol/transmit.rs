@@ -1,6 +1,6 @@
 //! Requests and the frame that is being sent.
 
-use canbaud::wire::{EncodedFrame, Frame, FrameKind, Level, encode};
+use canbaud::wire::{BitString, EncodedFrame, Frame, FrameKind, Level, encode};
 
 use super::machine::{Protocol, Request, State};
 use crate::event::{Event, FaultState, Role, Rule};
@@ -31,12 +31,11 @@ impl Sending {
     /// The level of bit `index`, and how many equal bits it begins (up to 32).
     #[inline]
     pub(super) fn run_from(&self, index: usize) -> (Level, u32) {
-        let ahead = self.encoded.bits.bits(index, 32);
-        if ahead >> 31 == 1 {
-            (Level::Recessive, ahead.leading_ones())
-        } else {
-            (Level::Dominant, ahead.leading_zeros())
-        }
+        run_in(&self.encoded.bits, index)
+    }
+
+    pub(super) const fn bits(&self) -> &BitString {
+        &self.encoded.bits
     }
 
     pub(super) const fn bits_before_crc_delimiter(&self) -> u32 {
@@ -148,6 +147,17 @@ impl Protocol {
         self.drop_request();
         self.events.push(Event::Transmitted { frame: sending.frame });
         self.count(Rule::Transmitted);
+    }
+}
+
+/// The level of bit `index`, and how many equal bits it begins (up to 32).
+#[inline]
+pub(super) fn run_in(bits: &BitString, index: usize) -> (Level, u32) {
+    let ahead = bits.bits(index, 32);
+    if ahead >> 31 == 1 {
+        (Level::Recessive, ahead.leading_ones())
+    } else {
+        (Level::Dominant, ahead.leading_zeros())
     }
 }
 
