@@ -13,9 +13,9 @@ use crate::clock::Tick;
 use crate::event::Sample;
 use crate::time::{Span, Time};
 
-/// Bits before the CRC delimiter that are not planned: there receivers with a fast clock may have
-/// come to the end of the CRC field.
-const MARGIN: u32 = 2;
+/// Bits before the CRC delimiter that are not planned: receivers may be ahead of the sender, and
+/// with the CRC delimiter they decide on the acknowledgement.
+const MARGIN: u32 = 1;
 /// Fewer bits are not worth a plan.
 const LEAST: u32 = 4;
 
@@ -26,6 +26,8 @@ pub(crate) struct Change {
     /// When it reaches the star point.
     pub(crate) star: Time,
     pub(crate) to: Level,
+    /// The bit that it begins, counted from SOF.
+    pub(crate) bit: u32,
 }
 
 /// What the sender does before its sample point [`Plan::end`].
@@ -141,7 +143,7 @@ impl Node {
         let star = self.config.transceiver.to_star(at, to);
         if to == Level::Dominant {
             // It comes in during the same bit: a positive phase error or none.
-            let arrival = self.rxd.dominant_arrival(star, log.head());
+            let arrival = self.rxd.arrival_of(log.head(), star, to);
             let in_sync_seg = self.bit.rate() == Rate::Nominal
                 && arrival < self.bit.end_of_sync_seg_after(plan.last).time();
             let outcome = if in_sync_seg { SyncOutcome::InSyncSeg } else { SyncOutcome::Ignored };
@@ -150,7 +152,7 @@ impl Node {
         }
         plan.txd_changed = at;
         log.push(Edge { at: star, to });
-        Change { at, star, to }
+        Change { at, star, to, bit: plan.alone.bit() }
     }
 
     /// The bits of a plan, for those who listen.
@@ -175,7 +177,7 @@ impl Node {
         self.txd_changed = plan.txd_changed;
         self.change_at = Time::NEVER;
         self.synchronised = sampled == Level::Dominant || self.txd == Level::Dominant;
-        self.rxd.settle(log, self.txd);
+        self.rxd.come_to(log.head(), self.txd);
         self.schedule();
     }
 }

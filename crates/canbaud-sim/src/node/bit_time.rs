@@ -269,6 +269,14 @@ impl BitTime {
         self.at.to_sample = to_sample;
     }
 
+    /// Past `bits` (at least 1) sample points, no edge coming in between.
+    #[inline]
+    pub(crate) fn skip(&mut self, bits: u32) {
+        let last = self.bits_after(self.at.sample, bits - 1);
+        let next = self.clock.next(last, &self.segments().bit);
+        self.begin_after(last, next);
+    }
+
     /// Past all sample points before `limit`, no edge coming in between: calls `sampled` with each
     /// and returns how many they are.
     #[inline]

@@ -5,7 +5,7 @@ use canbaud::wire::Level;
 use super::bit_time::Position;
 use super::core::Node;
 use super::corners::SyncCorners;
-use super::protocol::{Protocol, Reading, Score};
+use super::protocol::Reading;
 use super::sampling::Rxd;
 use crate::bus::EdgeLog;
 use crate::event::Sample;
@@ -126,56 +126,6 @@ impl Node {
         log: &EdgeLog,
         samples: &mut S,
     ) -> Option<Time> {
-        let stopped = self.read_with(limit, log, samples, Protocol::read_quiet);
-        if stopped.is_none() {
-            self.end_reading(log);
-        }
-        stopped
-    }
-
-    /// Reads as [`Node::read`] does, comparing what comes in with what is sent.
-    ///
-    /// False if it is not the same, or if something comes of it; the node is of no use then until
-    /// it has gone back.
-    pub(crate) fn read_along<S: Samples>(
-        &mut self,
-        score: &Score,
-        limit: Time,
-        log: &EdgeLog,
-        samples: &mut S,
-    ) -> bool {
-        let Some(mut index) = self.protocol.in_step(score) else { return false };
-        let compare = |_: &mut Protocol, level, bits| {
-            let agreed = score.agrees(index, level, bits);
-            index += agreed as usize;
-            agreed
-        };
-        let differs = self.read_with(limit, log, samples, compare).is_some();
-        if differs || !self.protocol.keep_step(score, index) {
-            return false;
-        }
-        self.end_reading(log);
-        true
-    }
-
-    fn end_reading(&mut self, log: &EdgeLog) {
-        self.edge_at = Time::NEVER;
-        if !self.synchronised {
-            self.look_for_edge(log);
-        }
-        self.schedule();
-    }
-
-    /// Lets edges and bits in up to `limit`; `take` says how many of some equal bits it takes, and
-    /// reading ends at the first one that it does not.
-    #[inline]
-    fn read_with<S: Samples>(
-        &mut self,
-        limit: Time,
-        log: &EdgeLog,
-        samples: &mut S,
-        mut take: impl FnMut(&mut Protocol, Level, u32) -> u32,
-    ) -> Option<Time> {
         let (busy, driven) = (self.protocol.is_busy(), Level::Recessive);
         let mut coming = if self.is_deaf() { SILENCE } else { self.rxd.coming(log) };
         loop {
@@ -197,13 +147,22 @@ impl Node {
             let bits = self.bit.pass(coming.0.min(limit), |at| {
                 samples.take(at, Sample { level, driven, busy });
             });
-            let taken = take(&mut self.protocol, level, bits);
-            if taken < bits {
-                return Some(self.bit.bits_after(from, taken).time());
+            let quiet = self.protocol.read_quiet(level, bits);
+            if quiet < bits {
+                return Some(self.bit.bits_after(from, quiet).time());
             }
             self.synchronised = level == Level::Dominant;
         }
+        self.end_reading(log);
         None
+    }
+
+    pub(super) fn end_reading(&mut self, log: &EdgeLog) {
+        self.edge_at = Time::NEVER;
+        if !self.synchronised {
+            self.look_for_edge(log);
+        }
+        self.schedule();
     }
 
     /// The edge that is coming comes in, with those that it has overtaken. Returns the next one.

@@ -6,6 +6,7 @@ mod config;
 mod core;
 mod corners;
 mod fault;
+mod follow;
 mod late;
 mod protocol;
 mod sampling;

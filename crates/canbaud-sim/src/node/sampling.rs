@@ -90,15 +90,20 @@ impl Rxd {
         self.cursor == log.head()
     }
 
-    /// When edge `number`, one to dominant at the star point at `at`, comes in.
+    /// When edge `number`, at the star point at `at`, comes in.
     #[inline]
-    pub(crate) fn dominant_arrival(&self, at: Time, number: u64) -> Time {
-        self.transceiver.to_rxd(at, Level::Dominant, self.salt ^ number)
+    pub(crate) fn arrival_of(&self, number: u64, at: Time, to: Level) -> Time {
+        self.transceiver.to_rxd(at, to, self.salt ^ number)
     }
 
-    /// All edges have come in; the last one was to `level`.
-    pub(crate) const fn settle(&mut self, log: &EdgeLog, level: Level) {
-        self.cursor = log.head();
+    /// Whether all edges before edge `number` have come in, and no other one.
+    pub(crate) const fn has_come_to(&self, number: u64) -> bool {
+        self.cursor == number
+    }
+
+    /// All edges before edge `number` have come in; the last one was to `level`.
+    pub(crate) const fn come_to(&mut self, number: u64, level: Level) {
+        self.cursor = number;
         self.level = level;
     }
 

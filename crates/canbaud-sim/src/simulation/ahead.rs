@@ -51,7 +51,7 @@ impl Simulation {
                 return false;
             };
             let score = self.nodes[place].score(&plan);
-            match self.listen::<O>(plan.end(), &score) {
+            match self.listen::<O>(plan.end(), &score, head) {
                 None => {
                     self.follow::<O>(place, plan, observer);
                     return true;
@@ -85,18 +85,19 @@ impl Simulation {
 
     /// Lets all listeners read up to `end`. Returns when something comes of it before that; all
     /// are back where they were then.
-    fn listen<O: Observer>(&mut self, end: Time, score: &Score) -> Option<Time> {
+    fn listen<O: Observer>(&mut self, end: Time, score: &Score, head: u64) -> Option<Time> {
         if O::SAMPLES {
             self.ahead.samples.resize_with(self.nodes.len(), Vec::new);
             self.ahead.samples.iter_mut().for_each(Vec::clear);
         }
         for (index, (place, before)) in self.ahead.listeners.iter().enumerate() {
-            let (node, log) = (&mut self.nodes[*place], &self.line.log);
+            let node = &mut self.nodes[*place];
+            let heard =
+                Heard { score, changes: &self.ahead.changes, head, end, log: &self.line.log };
             let trouble = if O::SAMPLES {
-                let samples = &mut self.ahead.samples[*place];
-                listen(node, before, end, score, log, samples)
+                heard.by(node, before, &mut self.ahead.samples[*place])
             } else {
-                listen(node, before, end, score, log, &mut Unseen)
+                heard.by(node, before, &mut Unseen)
             };
             if trouble.is_some() {
                 self.ahead.suspect = *place;
@@ -146,21 +147,26 @@ impl Simulation {
     }
 }
 
-/// Lets a listener read up to `end`, as quickly as can be. Returns when something comes of it.
-fn listen<S: Samples>(
-    node: &mut Node,
-    before: &Before,
+/// What there is to hear of a sole sender.
+struct Heard<'a> {
+    score: &'a Score,
+    changes: &'a [Change],
+    /// The edge of the log that the first change makes.
+    head: u64,
     end: Time,
-    score: &Score,
-    log: &EdgeLog,
-    samples: &mut S,
-) -> Option<Time> {
-    if node.read_along(score, end, log, samples) {
-        return None;
+    log: &'a EdgeLog,
+}
+
+impl Heard<'_> {
+    /// Lets a listener read it, as quickly as can be. Returns when something comes of it.
+    fn by<S: Samples>(&self, node: &mut Node, before: &Before, samples: &mut S) -> Option<Time> {
+        if node.follow(self.score, self.changes, self.head, self.end, self.log, samples) {
+            return None;
+        }
+        samples.forget();
+        node.go_back(before.clone());
+        node.read(self.end, self.log, samples)
     }
-    samples.forget();
-    node.go_back(before.clone());
-    node.read(end, log, samples)
 }
 
 /// The samples of all nodes by time, and by place where the times are the same.

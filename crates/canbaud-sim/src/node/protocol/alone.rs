@@ -1,10 +1,11 @@
 //! The part of a frame during which its sender alone drives the bus.
 
+use core::ops::Range;
+
 use canbaud::wire::{BitString, Level};
 
 use super::machine::{Protocol, State};
 use super::reader::{Reader, Step};
-use super::transmit::run_in;
 use crate::node::bit_time::Rate;
 
 /// How far a sender has come that nobody interferes with.
@@ -16,6 +17,11 @@ pub(crate) struct Alone {
 }
 
 impl Alone {
+    /// The bit that is sent next, counted from SOF.
+    pub(crate) const fn bit(&self) -> u32 {
+        self.index as u32
+    }
+
     /// The sender reads back what it sent, up to `bits` bits of `level`; returns of how many
     /// nothing comes.
     #[inline]
@@ -36,21 +42,32 @@ pub(crate) struct Score {
     after: Reader,
 }
 
-/// A listener may lag behind the sender by no more bits than this.
+/// A listener may be off the sender by no more bits than this.
 const LAG: u32 = 8;
 
 impl Score {
-    /// How many of `count` bits of `level` are the ones from bit `index` on.
-    #[inline]
-    pub(crate) fn agrees(&self, index: usize, level: Level, count: u32) -> u32 {
-        let (sent, run) = run_in(&self.bits, index);
-        if sent == level { run.min(count) } else { 0 }
+    /// Whether these bits have this level.
+    pub(crate) fn has(&self, level: Level, mut bits: Range<u32>) -> bool {
+        bits.all(|bit| self.bits.level(bit as usize) == level)
     }
 
-    /// `reader` after the bits from `from` to `to`, if nothing comes of them.
-    fn read(&self, mut reader: Reader, from: u32, to: u32) -> Option<Reader> {
-        let level = |bit: u32| self.bits.level(bit as usize);
-        (from..to).all(|bit| reader.push(level(bit)) == Step::Continue).then_some(reader)
+    /// Whether what is sent leads from `early` to `late`.
+    fn leads(&self, early: &Reader, late: &Reader) -> bool {
+        let read = self.read(early.clone(), early.bits(), late.bits());
+        read.is_some_and(|(reader, step)| step == Step::Continue && reader == *late)
+    }
+
+    /// `reader` after the bits from `from` to `to`, and what came of the last one; nothing may
+    /// come of the others.
+    fn read(&self, mut reader: Reader, from: u32, to: u32) -> Option<(Reader, Step)> {
+        let mut step = Step::Continue;
+        for bit in from..to {
+            if step != Step::Continue {
+                return None;
+            }
+            step = reader.push(self.bits.level(bit as usize));
+        }
+        Some((reader, step))
     }
 }
 
@@ -61,29 +78,40 @@ impl Protocol {
         Score { bits, before: self.reader.clone(), after: alone.reader.clone() }
     }
 
-    /// The next bit of a listener that has read what the sender has sent; `None` if it has read
-    /// something else.
-    pub(crate) fn in_step(&self, score: &Score) -> Option<usize> {
-        let (read, sent) = (self.reader.bits(), score.before.bits());
-        let may = self.state == State::Frame && (read..=read + LAG).contains(&sent);
-        if !may || self.reader.expects_res() {
-            return None;
-        }
-        let reader = score.read(self.reader.clone(), read, sent)?;
-        (reader == score.before).then_some(read as usize)
+    /// The next bit of a listener that has read what the sender has sent, counted from SOF; `None`
+    /// if it has read something else.
+    pub(crate) fn in_step(&self, score: &Score) -> Option<u32> {
+        let read = self.reader.bits();
+        let may = self.state == State::Frame && !self.reader.expects_res();
+        let (early, late) = (&self.reader, &score.before);
+        let same = if read <= late.bits() {
+            late.bits() - read <= LAG && score.leads(early, late)
+        } else {
+            read - late.bits() <= LAG && score.leads(late, early)
+        };
+        (may && same).then_some(read)
     }
 
-    /// A listener in step has sampled all bits before bit `index`. False if something came of that,
-    /// or may have.
-    pub(crate) fn keep_step(&mut self, score: &Score, index: usize) -> bool {
-        let (read, known) = (index as u32, score.after.bits());
-        if read < known {
-            return false;
+    /// A listener in step has sampled all bits before `bit`. False if something came of that, or
+    /// may have.
+    pub(crate) fn keep_step(&mut self, score: &Score, bit: u32) -> bool {
+        let known = if bit < score.after.bits() { &self.reader } else { &score.after };
+        let read = score.read(known.clone(), known.bits(), bit);
+        let Some((reader, step)) = read else { return false };
+        self.reader = reader;
+        self.goes_on_quietly(step)
+    }
+
+    /// Whether nothing came of a bit of a frame but, perhaps, the end of the CRC field.
+    pub(super) fn goes_on_quietly(&mut self, step: Step) -> bool {
+        match step {
+            Step::Continue => true,
+            Step::End => {
+                self.state = State::CrcDelimiter;
+                true
+            }
+            Step::DataRate | Step::Error(..) | Step::Exception => false,
         }
-        let reader = score.read(score.after.clone(), known, read);
-        let quiet = reader.is_some();
-        self.reader = reader.unwrap_or_else(|| score.after.clone());
-        quiet
     }
 
     /// A sender inside of its frame, and how many bits lie before the end of the CRC field, where

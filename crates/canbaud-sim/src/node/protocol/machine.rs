@@ -207,16 +207,17 @@ impl Protocol {
     #[inline]
     pub(crate) fn read_quiet(&mut self, level: Level, bits: u32) -> u32 {
         if matches!(self.state, State::Frame) {
-            return self.reader.push_run(level, bits).0;
+            let (taken, step) = self.reader.push_run(level, bits);
+            return if taken < bits && self.goes_on_quietly(step) { taken + 1 } else { taken };
         }
         for taken in 0..bits {
-            if let State::Integrating { recessive: 10 } | State::BusOff { recessive: 10, .. } =
-                self.state
-                && level == Level::Recessive
-            {
-                return taken;
+            match (self.state, level) {
+                // The acknowledgement is decided on, or eleven recessive bits are complete.
+                (State::CrcDelimiter, _)
+                | (State::Integrating { recessive: 10 }, Level::Recessive)
+                | (State::BusOff { recessive: 10, .. }, Level::Recessive) => return taken,
+                _ => self.sample(level, None),
             }
-            self.sample(level, None);
             debug_assert!(self.events.is_empty() && self.drive == Level::Recessive);
         }
         bits

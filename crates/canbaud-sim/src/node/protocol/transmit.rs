@@ -31,7 +31,12 @@ impl Sending {
     /// The level of bit `index`, and how many equal bits it begins (up to 32).
     #[inline]
     pub(super) fn run_from(&self, index: usize) -> (Level, u32) {
-        run_in(&self.encoded.bits, index)
+        let ahead = self.encoded.bits.bits(index, 32);
+        if ahead >> 31 == 1 {
+            (Level::Recessive, ahead.leading_ones())
+        } else {
+            (Level::Dominant, ahead.leading_zeros())
+        }
     }
 
     pub(super) const fn bits(&self) -> &BitString {
@@ -147,17 +152,6 @@ impl Protocol {
         self.drop_request();
         self.events.push(Event::Transmitted { frame: sending.frame });
         self.count(Rule::Transmitted);
-    }
-}
-
-/// The level of bit `index`, and how many equal bits it begins (up to 32).
-#[inline]
-pub(super) fn run_in(bits: &BitString, index: usize) -> (Level, u32) {
-    let ahead = bits.bits(index, 32);
-    if ahead >> 31 == 1 {
-        (Level::Recessive, ahead.leading_ones())
-    } else {
-        (Level::Dominant, ahead.leading_zeros())
     }
 }
 
