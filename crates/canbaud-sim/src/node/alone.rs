@@ -139,13 +139,14 @@ impl Node {
 
     /// TXD changes at the start of the next bit.
     fn plan_change(&self, plan: &mut Plan, to: Level, log: &mut EdgeLog) -> Change {
-        let at = self.bit.start_after(plan.last).time();
+        let start = self.bit.start_after(plan.last);
+        let at = start.time();
         let star = self.config.transceiver.to_star(at, to);
         if to == Level::Dominant {
             // It comes in during the same bit: a positive phase error or none.
             let arrival = self.rxd.arrival_of(log.head(), star, to);
             let in_sync_seg = self.bit.rate() == Rate::Nominal
-                && arrival < self.bit.end_of_sync_seg_after(plan.last).time();
+                && arrival < self.bit.end_of_sync_seg(start).time();
             let outcome = if in_sync_seg { SyncOutcome::InSyncSeg } else { SyncOutcome::Ignored };
             plan.corners.note(outcome, 0);
             plan.last_sync = Some(outcome);

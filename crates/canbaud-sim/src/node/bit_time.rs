@@ -51,12 +51,17 @@ pub enum SyncOutcome {
     Ignored,
 }
 
+/// Equal bits in a row that stuffing allows.
+const RUN: usize = 5;
+
 /// A bit timing in the quanta of one clock.
 #[derive(Debug, Clone)]
 struct Segments {
     quantum: Quantum,
-    /// A whole bit.
-    bit: Quantum,
+    /// So many whole bits, as often as stuffing allows equal ones.
+    bits: [Quantum; RUN + 1],
+    /// From a sample point to the start of the next bit.
+    to_start: Quantum,
     sample: u64,
     phase_seg2: u64,
     sjw: u64,
@@ -64,9 +69,11 @@ struct Segments {
 
 impl Segments {
     fn new(clock: &Clock, timing: &BitTiming) -> Self {
+        let quanta = |count: u32| clock.quantum(timing.prescaler() * count);
         Self {
-            quantum: clock.quantum(timing.prescaler()),
-            bit: clock.quantum(timing.prescaler() * timing.quanta()),
+            quantum: quanta(1),
+            bits: core::array::from_fn(|bits| quanta(bits as u32 * timing.quanta())),
+            to_start: quanta(timing.phase_seg2()),
             sample: timing.sample_quanta().into(),
             phase_seg2: timing.phase_seg2().into(),
             sjw: timing.sjw().into(),
@@ -185,26 +192,28 @@ impl BitTime {
     /// The tick `bits` whole bits after `from`.
     #[inline]
     pub(crate) fn bits_after(&self, from: Tick, bits: u32) -> Tick {
-        self.clock.after(from, &self.segments().bit, bits.into())
+        let segments = self.segments();
+        match segments.bits.get(bits as usize) {
+            Some(length) => self.clock.next(from, length),
+            None => self.clock.after(from, &segments.bits[1], bits.into()),
+        }
     }
 
     /// How many whole bits after `from` end at or before `time`, which is not before `from`.
     pub(crate) fn bits_until(&self, from: Tick, time: Time) -> u64 {
-        self.clock.locate(from, &self.segments().bit, time)
+        self.clock.locate(from, &self.segments().bits[1], time)
     }
 
     /// The start of the bit that follows the sample point `last`.
     #[inline]
     pub(crate) fn start_after(&self, last: Tick) -> Tick {
-        let segments = self.segments();
-        self.clock.after(last, &segments.quantum, segments.phase_seg2)
+        self.clock.next(last, &self.segments().to_start)
     }
 
-    /// The end of SYNC_SEG of that bit.
+    /// The end of SYNC_SEG of a bit that starts at `start`.
     #[inline]
-    pub(crate) fn end_of_sync_seg_after(&self, last: Tick) -> Tick {
-        let segments = self.segments();
-        self.clock.after(last, &segments.quantum, segments.phase_seg2 + 1)
+    pub(crate) fn end_of_sync_seg(&self, start: Tick) -> Tick {
+        self.clock.next(start, &self.segments().quantum)
     }
 
     /// At least this lies between the start of a bit and its sample point.
@@ -255,7 +264,7 @@ impl BitTime {
     #[inline]
     pub(crate) fn advance(&mut self, rate: Rate) {
         self.rate = rate;
-        let next = self.clock.next(self.at.sample, &self.segments().bit);
+        let next = self.clock.next(self.at.sample, &self.segments().bits[1]);
         self.begin_after(self.at.sample, next);
     }
 
@@ -273,7 +282,7 @@ impl BitTime {
     #[inline]
     pub(crate) fn skip(&mut self, bits: u32) {
         let last = self.bits_after(self.at.sample, bits - 1);
-        let next = self.clock.next(last, &self.segments().bit);
+        let next = self.clock.next(last, &self.segments().bits[1]);
         self.begin_after(last, next);
     }
 
@@ -285,7 +294,7 @@ impl BitTime {
         while next.time() < limit {
             sampled(next.time());
             last = next;
-            next = self.clock.next(next, &self.segments().bit);
+            next = self.clock.next(next, &self.segments().bits[1]);
             count += 1;
         }
         if count > 0 {
@@ -315,10 +324,6 @@ impl BitTime {
     pub(crate) fn edge(&mut self, time: Time, rule: SyncRule) -> (SyncOutcome, u64) {
         let segments = self.segments();
         let (sjw, sample) = (segments.sjw, segments.sample);
-        if rule == SyncRule::Both && self.is_surely_in_sync_seg(time) {
-            self.at.last = Some(SyncOutcome::InSyncSeg);
-            return (SyncOutcome::InSyncSeg, self.at.start);
-        }
         let position = self.clock.locate(self.at.origin, &segments.quantum, time);
         let outcome = match (rule, position.cmp(&self.at.start)) {
             (SyncRule::Off, _) | (SyncRule::NegativeOnly, Ordering::Greater) => {
@@ -351,12 +356,17 @@ impl BitTime {
         (outcome, position)
     }
 
-    /// True only if `time` lies in SYNC_SEG; false near its ends, too.
+    /// A recessive to dominant edge at `time`, at which the node resynchronises, in the first bit
+    /// after a sample point: true, and done, if it is sure to lie in SYNC_SEG.
     #[inline]
-    fn is_surely_in_sync_seg(&self, time: Time) -> bool {
-        let start = self.start().femtoseconds();
-        let length = self.segments().quantum.femtoseconds();
-        (start..start + length).contains(&time.femtoseconds())
+    pub(crate) fn edge_in_sync_seg(&mut self, time: Time) -> bool {
+        let start = self.start_after(self.at.origin).time().femtoseconds();
+        let since = time.femtoseconds().wrapping_sub(start);
+        let surely = since < self.segments().quantum.femtoseconds();
+        if surely {
+            self.at.last = Some(SyncOutcome::InSyncSeg);
+        }
+        surely
     }
 
     /// SJW in quanta.

@@ -126,6 +126,21 @@ impl Node {
         log: &EdgeLog,
         samples: &mut S,
     ) -> Option<Time> {
+        let stopped = self.read_up_to(limit, log, samples);
+        if stopped.is_none() {
+            self.end_reading(log);
+        }
+        stopped
+    }
+
+    /// [`Node::read`] without its end: [`Node::end_reading`] is still to be done.
+    #[inline]
+    pub(super) fn read_up_to<S: Samples>(
+        &mut self,
+        limit: Time,
+        log: &EdgeLog,
+        samples: &mut S,
+    ) -> Option<Time> {
         let (busy, driven) = (self.protocol.is_busy(), Level::Recessive);
         let mut coming = if self.is_deaf() { SILENCE } else { self.rxd.coming(log) };
         loop {
@@ -153,10 +168,10 @@ impl Node {
             }
             self.synchronised = level == Level::Dominant;
         }
-        self.end_reading(log);
         None
     }
 
+    /// Looks for what comes next.
     pub(super) fn end_reading(&mut self, log: &EdgeLog) {
         self.edge_at = Time::NEVER;
         if !self.synchronised {
