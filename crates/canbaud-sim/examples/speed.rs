@@ -47,6 +47,7 @@ fn run(nodes: usize, bitrate: u32, period: Span, requests: Requests, seconds: u6
 fn main() {
     // A frame of eight bytes has about 122 bits with its stuff bits and the intermission.
     let seconds = std::env::args().nth(1).map_or(20, |text| text.parse().expect("seconds"));
+    let wanted = std::env::args().nth(2).unwrap_or_default();
     let loads = [
         ("500 kbit/s, 8 nodes, 60 % load, requests together", 8, 500_000, 60, Requests::Together),
         ("500 kbit/s, 8 nodes, 60 % load, requests spread", 8, 500_000, 60, Requests::Spread),
@@ -54,10 +55,16 @@ fn main() {
         ("1 Mbit/s, 2 nodes, 90 % load, requests spread", 2, 1_000_000, 90, Requests::Spread),
     ];
     for (name, nodes, bitrate, percent, requests) in loads {
+        if !name.contains(&wanted) {
+            continue;
+        }
         let bits = nodes as u64 * 122 * 100 / percent;
         let period = Span::from_ns(bits * 1_000_000_000 / u64::from(bitrate));
         let (ratio, steps) = run(nodes, bitrate, period, requests, seconds);
         println!("{name}: {ratio:.0} x ({steps} steps)");
+    }
+    if !"idle".contains(&wanted) {
+        return;
     }
     let (ratio, _) = run(8, 500_000, Span::from_s(100), Requests::Together, 10_000);
     println!("idle bus, 8 nodes: {ratio:.0} x");

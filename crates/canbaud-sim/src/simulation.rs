@@ -261,11 +261,10 @@ impl Simulation {
         loop {
             let (mut at, mut place, mut second) = (Time::NEVER, 0, Time::NEVER);
             for (index, &next) in self.next.iter().enumerate() {
-                if next < at {
-                    (second, at, place) = (at, next, index);
-                } else {
-                    second = second.min(next);
-                }
+                // Without a branch, which could not be foretold.
+                second = second.min(next.max(at));
+                place = if next < at { index } else { place };
+                at = at.min(next);
             }
             let arrival = self.line.next();
             let entry = self.agenda.peek().map_or(Time::NEVER, |Reverse(entry)| entry.at);
