@@ -185,12 +185,15 @@ impl<'a> SamplesInOrder<'a> {
     /// Tells all samples that come before `key`: a time, and a place at that time.
     fn before<O: Observer>(&mut self, key: (Time, usize), observer: &mut O) {
         loop {
-            let first = (0..self.heads.len()).min_by_key(|place| self.heads[*place].1);
-            let Some(place) = first else { return };
-            let (told, at) = self.heads[place];
+            let (mut at, mut place) = (Time::NEVER, 0);
+            for (other, head) in self.heads.iter().enumerate() {
+                place = if head.1 < at { other } else { place };
+                at = at.min(head.1);
+            }
             if (at, place) >= key {
                 return;
             }
+            let told = self.heads[place].0;
             observer.sample(at, NodeId(place), &self.samples[place][told].1);
             self.heads[place] = (told + 1, time_of(&self.samples[place], told + 1));
         }
