@@ -4,9 +4,9 @@
 //! the CRC delimiter. The edges in between lie on a grid of their own, anchored at the first edge
 //! to dominant behind BRS; how many bits the recessive run with BRS holds is tried out.
 
-use super::coarse;
-use super::comb::{self, Slack};
-use super::prove::{Attempt, Proof, Proposals};
+use super::comb::Slack;
+use super::proposals::{Method, Proposals};
+use super::prove::{Attempt, Proof};
 use crate::wire::clock::BitClock;
 use crate::wire::reader::{Activity, DataRate, Placement, Rates};
 use crate::wire::{DataRateWanted, DataTiming, FdCrc};
@@ -34,14 +34,11 @@ pub(super) fn prove(
     // From the edge to dominant behind BRS on.
     let data_runs = activity.runs.get(brs_run + 1..end)?;
     let brs_ticks = *activity.runs.get(brs_run)?;
-    let mut proposals = Proposals::new();
-    coarse::propose(data_runs, &mut proposals);
-    comb::propose(data_runs, Slack::Loose, &mut proposals);
-    for bit_q20 in proposals.iter() {
-        // The data rate is never below the nominal one.
-        if bit_q20 > rates.nominal.ticks_q20() + rates.nominal.ticks_q20() / 50 {
-            continue;
-        }
+    // The data rate is never below the nominal one.
+    let limit_q20 = rates.nominal.ticks_q20() + rates.nominal.ticks_q20() / 50;
+    let mut proposals =
+        Proposals::new(data_runs, &[Method::Coarse, Method::Comb(Slack::Loose)], limit_q20);
+    while let Some(bit_q20) = proposals.next() {
         let Some(clock) = BitClock::new(on_ratio(bit_q20, rates.nominal.ticks_q20())) else {
             continue;
         };

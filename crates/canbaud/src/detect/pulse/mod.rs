@@ -10,12 +10,14 @@ mod coarse;
 mod comb;
 mod data_rate;
 mod detector;
+mod fixed;
 mod glitch;
 mod interval;
 mod lattice;
 mod measure;
 mod minimum;
 mod places;
+mod proposals;
 mod prove;
 mod segment;
 

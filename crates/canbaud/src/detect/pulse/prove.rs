@@ -2,16 +2,14 @@
 
 use super::comb::Slack;
 use super::data_rate;
+use super::fixed::div_small;
 use super::lattice::Stray;
 use super::places::Places;
-use super::{coarse, comb};
+use super::proposals::{Method, Proposals};
 use crate::wire::attempts::placements;
 use crate::wire::clock::BitClock;
 use crate::wire::reader::{Activity, Outcome, Placement, Rates, Reading, read};
 use crate::wire::{FdCrc, Received};
-
-/// Most bit times tried for one frame.
-const PROPOSALS_MAX: usize = 48;
 
 /// Two bit times closer than this share of one another are the same rate: 1/64.
 pub(super) const SAME_RATE_SHIFT: u32 = 6;
@@ -27,38 +25,13 @@ impl Idle {
     /// Whether a frame with `bit_q20` ticks a bit (times 2^20) can stand here: ten bits are sure
     /// before it, rounding may take one; eight behind it, where an overload flag may follow.
     pub(super) fn suits(self, bit_q20: u64) -> bool {
-        let half_bits = |ticks: u32| u128::from(ticks) << 21;
-        let bit = u128::from(bit_q20);
-        half_bits(self.before) >= 18 * bit && half_bits(self.behind) >= 15 * bit
-    }
-}
-
-/// Bit times to try, in ticks times 2^20, in the order of trying.
-#[derive(Debug, Clone)]
-pub(super) struct Proposals {
-    bits: [u64; PROPOSALS_MAX],
-    len: usize,
-}
-
-impl Proposals {
-    pub(super) const fn new() -> Self {
-        Self { bits: [0; PROPOSALS_MAX], len: 0 }
+        bit_q20 <= self.bit_max_q20()
     }
 
-    /// Adds a bit time unless one within `apart` is there, or there is no room.
-    pub(super) fn add(&mut self, bit_q20: u64, apart: u64) {
-        let known = self.iter().any(|other| other.abs_diff(bit_q20) <= apart);
-        if known {
-            return;
-        }
-        if let Some(slot) = self.bits.get_mut(self.len) {
-            *slot = bit_q20;
-            self.len += 1;
-        }
-    }
-
-    pub(super) fn iter(&self) -> impl Iterator<Item = u64> + '_ {
-        self.bits.iter().take(self.len).copied()
+    /// The longest such bit time.
+    pub(super) fn bit_max_q20(self) -> u64 {
+        let before = div_small(u64::from(self.before) << 21, 18);
+        before.min(div_small(u64::from(self.behind) << 21, 15))
     }
 }
 
@@ -109,42 +82,28 @@ impl Attempt {
 ///
 /// A frame has its idle around it, so bit times that the idle is too short for are not tried.
 pub(super) fn prove(activity: Activity<'_>, idle: Idle, compared: &mut u32) -> Option<Proof> {
-    let mut proposals = Proposals::new();
-    coarse::propose(activity.runs, &mut proposals);
-    if let Some(proof) = first_right(activity, idle, &proposals, compared) {
-        return Some(proof);
-    }
-    [Slack::Tight, Slack::Loose].into_iter().find_map(|slack| {
-        let mut proposals = Proposals::new();
-        comb::propose(activity.runs, slack, &mut proposals);
-        first_right(activity, idle, &proposals, compared)
+    const METHODS: [&[Method]; 3] =
+        [&[Method::Coarse], &[Method::Comb(Slack::Tight)], &[Method::Comb(Slack::Loose)]];
+    let limit_q20 = idle.bit_max_q20();
+    METHODS.into_iter().find_map(|methods| {
+        first_right(activity, Proposals::new(activity.runs, methods, limit_q20), compared)
     })
 }
 
 fn first_right(
     activity: Activity<'_>,
-    idle: Idle,
-    proposals: &Proposals,
+    mut proposals: Proposals<'_>,
     compared: &mut u32,
 ) -> Option<Proof> {
-    let mut chances = [0_u32; PROPOSALS_MAX];
-    for (index, bit_q20) in proposals.iter().enumerate() {
-        let Some(nominal) = BitClock::new(bit_q20).filter(|_| idle.suits(bit_q20)) else {
-            continue;
-        };
+    while let Some(bit_q20) = proposals.next() {
+        let Some(nominal) = BitClock::new(bit_q20) else { continue };
         let before = *compared;
         let rates = Rates { nominal, data: None, fd_crc: FdCrc::Iso, late_ticks_q20: 0 };
         let proof = prove_at(activity, &rates, compared);
-        if let Some(slot) = chances.get_mut(index) {
-            *slot = *compared - before;
-        }
+        proposals.note_chances(*compared - before);
         if let Some(proof) = proof {
             // An accident at nearly the same bit time would be no wrong rate.
-            let near = proposals
-                .iter()
-                .zip(chances)
-                .filter(|(other, _)| other.abs_diff(bit_q20) <= bit_q20 >> SAME_RATE_SHIFT);
-            let harmless: u32 = near.map(|(_, count)| count).sum();
+            let harmless = proposals.chances_near(bit_q20, bit_q20 >> SAME_RATE_SHIFT);
             return Some(Proof { compared: *compared + 1 - harmless, ..proof });
         }
     }
