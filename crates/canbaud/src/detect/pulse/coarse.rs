@@ -103,7 +103,7 @@ fn refine(runs: &[u32], window: usize, shortest: u32, first_q8: u64) -> Option<u
         }
         let off = (at << 20).abs_diff(u64::from(whole + count) * bit_q20);
         // A tick of rounding and a third of a bit.
-        if off > bit_q20 / 3 + (1 << 20) {
+        if 3 * off > bit_q20 + 3 * (1 << 20) {
             return (index >= 3).then_some(bit_q20);
         }
         whole += count;

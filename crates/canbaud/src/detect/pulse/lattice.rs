@@ -58,7 +58,9 @@ struct Group {
 impl Group {
     fn of<'a>(places: impl Iterator<Item = &'a Place> + Clone, ticks_q20: u64) -> Self {
         let deviation = |place: &Place| {
-            let grid = (u128::from(place.bits) * u128::from(ticks_q20)) >> 10;
+            let bits = u64::from(place.bits);
+            // In two parts, because the product may have more than 64 bits.
+            let grid = bits * (ticks_q20 >> 10) + ((bits * (ticks_q20 & 0x3FF)) >> 10);
             (i64::from(place.ticks) << 10) - grid as i64
         };
         let count = places.clone().count() as i64;

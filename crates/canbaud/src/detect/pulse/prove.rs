@@ -112,6 +112,9 @@ fn first_right(
 
 /// Reads `activity` at `rates` in every placement; finds the data rate if the frame asks for it.
 pub(super) fn prove_at(activity: Activity<'_>, rates: &Rates, compared: &mut u32) -> Option<Proof> {
+    if activity.begins_overlong(rates.nominal) {
+        return None;
+    }
     for placement in placements(activity, rates) {
         let attempt = Attempt::new(activity, *rates, placement);
         if let Some(proof) = attempt.proof(activity, compared) {
