@@ -9,6 +9,7 @@
 extern crate std;
 
 pub mod detect;
+mod fixed;
 pub mod rates;
 pub mod timing;
 pub mod units;

@@ -5,7 +5,8 @@
 //! is two to ten bits; each of these gives a first bit time, which the other periods then make
 //! exact. The first part only, because a CAN FD frame goes on at another rate.
 
-use super::fixed::div_small;
+use super::prove::BitTimes;
+use crate::fixed::div_small;
 
 /// Fewest ticks a bit for this method; below, rounding a period to bits is a gamble.
 const TICKS_MIN: u64 = 3;
@@ -22,8 +23,7 @@ const PERIOD_BITS_MAX: u32 = 10;
 #[derive(Debug, Clone)]
 pub(super) struct Coarse<'a> {
     runs: &'a [u32],
-    /// Longer bit times are not wanted, in ticks times 2^20.
-    limit_q20: u64,
+    bit_times: BitTimes,
     /// The windows from the current one on.
     windows: &'static [usize],
     shortest: u32,
@@ -32,10 +32,9 @@ pub(super) struct Coarse<'a> {
 }
 
 impl<'a> Coarse<'a> {
-    /// For the frame with these `runs`. Bit times above `limit_q20` are of no use, and mostly
-    /// left out.
-    pub(super) fn new(runs: &'a [u32], limit_q20: u64) -> Self {
-        let mut search = Self { runs, limit_q20, windows: &WINDOWS, shortest: 0, bits: BITS_MIN };
+    /// For the frame with these `runs`. Most bit times that are of no use are left out.
+    pub(super) fn new(runs: &'a [u32], bit_times: BitTimes) -> Self {
+        let mut search = Self { runs, bit_times, windows: &WINDOWS, shortest: 0, bits: BITS_MIN };
         search.enter_window();
         search
     }
@@ -53,8 +52,9 @@ impl<'a> Coarse<'a> {
                 continue;
             }
             self.bits += 1;
-            // The bit time that comes out is at least three quarters of the first one.
-            if first_q8 > (self.limit_q20 >> 12).saturating_mul(3) / 2 {
+            // The bit time that comes out is a third longer or a quarter shorter at most.
+            let (min_q8, max_q8) = (self.bit_times.min_q20 >> 12, self.bit_times.max_q20 >> 12);
+            if first_q8 > max_q8 + max_q8 / 2 || first_q8 + first_q8 / 2 < min_q8 {
                 continue;
             }
             if let Some(bit_q20) = refine(self.runs, window, self.shortest, first_q8) {

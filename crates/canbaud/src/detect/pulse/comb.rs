@@ -4,6 +4,7 @@
 //! grid, each late by less than a tick. For every bit time in question, the edges are wrapped
 //! around one bit; where they fit on an arc no longer than a tick, the bit time is possible.
 
+use super::prove::BitTimes;
 use crate::wire::phase::{BUCKETS, bucket, has_gap};
 
 /// Most bits that these runs have.
@@ -48,9 +49,9 @@ pub(super) struct Comb<'a> {
 }
 
 impl<'a> Comb<'a> {
-    /// For the frame with these `runs`. Bit times above `limit_q20` are of no
-    /// use, and mostly left out.
-    pub(super) fn new(runs: &'a [u32], slack: Slack, limit_q20: u64) -> Self {
+    /// For the frame with these `runs`. Most bit times that are of no
+    /// use are left out.
+    pub(super) fn new(runs: &'a [u32], slack: Slack, bit_times: BitTimes) -> Self {
         // The last run may be an error flag; the first runs of a long frame suffice.
         let runs = runs.split_last().map_or(runs, |(_, before)| before);
         let runs = runs.get(..RUNS_MAX).unwrap_or(runs);
@@ -64,7 +65,7 @@ impl<'a> Comb<'a> {
             .max((duration << 8) / u64::from(BITS_MAX));
         let high = ((shortest + 1) << 8).saturating_add(64).min(TICKS_Q8_MAX);
         let high_q20 = (high << 12) as u32;
-        let low_q20 = u32::try_from(low << 12).unwrap_or(u32::MAX);
+        let low_q20 = u32::try_from((low << 12).max(bit_times.min_q20)).unwrap_or(u32::MAX);
         let duration_q20 = duration << 20;
         Self {
             runs,
@@ -73,7 +74,7 @@ impl<'a> Comb<'a> {
             bit_q20: high_q20,
             low_q20,
             // A little above what is wanted: one found there says that the next ones are the same.
-            look_max_q20: limit_q20.saturating_add(limit_q20 >> 6),
+            look_max_q20: bit_times.max_q20 + (bit_times.max_q20 >> 6),
             proposed_q20: u32::MAX,
             bits: 0,
         }

@@ -6,7 +6,7 @@
 
 use super::comb::Slack;
 use super::proposals::{Method, Proposals};
-use super::prove::{Attempt, Proof};
+use super::prove::{Attempt, BitTimes, Proof};
 use crate::wire::clock::BitClock;
 use crate::wire::reader::{Activity, DataRate, Placement, Rates};
 use crate::wire::{DataRateWanted, DataTiming, FdCrc};
@@ -35,9 +35,10 @@ pub(super) fn prove(
     let data_runs = activity.runs.get(brs_run + 1..end)?;
     let brs_ticks = *activity.runs.get(brs_run)?;
     // The data rate is never below the nominal one.
-    let limit_q20 = rates.nominal.ticks_q20() + rates.nominal.ticks_q20() / 50;
+    let nominal_q20 = rates.nominal.ticks_q20();
+    let bit_times = BitTimes { min_q20: 0, max_q20: nominal_q20 + nominal_q20 / 50 };
     let mut proposals =
-        Proposals::new(data_runs, &[Method::Coarse, Method::Comb(Slack::Loose)], limit_q20);
+        Proposals::new(data_runs, &[Method::Coarse, Method::Comb(Slack::Loose)], bit_times);
     while let Some(bit_q20) = proposals.next() {
         let Some(clock) = BitClock::new(on_ratio(bit_q20, rates.nominal.ticks_q20())) else {
             continue;

@@ -1,6 +1,5 @@
 //! The detector: edges in, a verdict out, in fixed memory.
 
-use super::lattice::Stray;
 use super::measure::{Measurement, pool};
 use super::places::Places;
 use super::prove::{Idle, Proof, SAME_RATE_SHIFT, prove, prove_at};
@@ -262,7 +261,7 @@ impl Rate {
     fn is_of(&self, proof: &Proof) -> bool {
         let same = |known: u64, other: u64| known.abs_diff(other) <= known >> SAME_RATE_SHIFT;
         let reading = &proof.attempt.reading;
-        let nominal = reading.nominal.fit().ticks_q20();
+        let nominal = proof.fit.ticks_q20();
         let data = proof.attempt.rates.data.filter(|_| reading.brs_run.is_some());
         same(
             self.rates.nominal.ticks_q20(),
@@ -295,7 +294,7 @@ impl Rate {
         }
         self.last_frame = hash;
         self.proven = self.proven.saturating_add(1);
-        self.nominal.add(&proof.attempt.reading.nominal);
+        self.nominal.add_fit(&proof.fit);
         if proof.received.fd_crc.is_some() {
             self.fd_frames = self.fd_frames.saturating_add(1);
             self.rates.fd_crc = proof.attempt.rates.fd_crc;
@@ -304,14 +303,10 @@ impl Rate {
             self.data.add(&proof.attempt.reading.data);
             self.rates.data = proof.attempt.rates.data;
         }
-        if self.proven == 1
-            && let Some(bit) = self.nominal.bit_time()
-        {
-            let places = Places::nominal(activity, &proof.attempt);
-            let noise = Stray::of(&places, bit.ticks_q20).variance_q20;
-            self.nominal.set_noise(noise);
-            self.data.set_noise(noise);
-            if let Some(interval) = interval::of(&places) {
+        if self.proven == 1 && self.nominal.frames() == 1 {
+            self.nominal.set_noise(proof.noise_q20);
+            self.data.set_noise(proof.noise_q20);
+            if let Some(interval) = interval::of(&Places::nominal(activity, &proof.attempt)) {
                 self.nominal.set_interval(&interval);
             }
         }

@@ -4,8 +4,8 @@
 //! Where the bit time is close to a whole number of ticks, the rounding errors of a frame are all
 //! alike, and least squares takes their common pattern for the bit time; the bounds do not.
 
-use super::fixed::div_small;
 use super::places::{Extent, Place, Places};
+use crate::fixed::div_small;
 
 /// Bounds of a bit time in ticks times 2^20.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,8 +78,8 @@ fn bounds(places: &[Place]) -> Option<Interval> {
 /// Not by trying all pairs but by Newton's method: at a bound, each edge has a distance from the
 /// grid; the two with the greatest difference violate it most and set the next, tighter bound.
 fn tightest(places: &[Place], side: Side) -> Option<Bound> {
-    let (&first, &third) = (places.first()?, places.get(2)?);
-    let mut bound = side.bound(first, third);
+    let (&first, &last) = (places.first()?, places.iter().step_by(2).next_back()?);
+    let mut bound = side.bound(first, last);
     for _ in 0..places.len() {
         let mut most = u64::from(bound.bits) as i64;
         let mut next = None;

@@ -10,7 +10,6 @@ mod coarse;
 mod comb;
 mod data_rate;
 mod detector;
-mod fixed;
 mod glitch;
 mod interval;
 mod lattice;

@@ -2,6 +2,7 @@
 
 use super::coarse::Coarse;
 use super::comb::{Comb, Slack};
+use super::prove::BitTimes;
 
 /// Most bit times tried for one frame.
 const PROPOSALS_MAX: usize = 48;
@@ -32,7 +33,7 @@ struct Tried {
 #[derive(Debug, Clone)]
 pub(super) struct Proposals<'a> {
     runs: &'a [u32],
-    limit_q20: u64,
+    bit_times: BitTimes,
     /// The methods behind the current one.
     methods: &'static [Method],
     source: Source<'a>,
@@ -41,11 +42,11 @@ pub(super) struct Proposals<'a> {
 }
 
 impl<'a> Proposals<'a> {
-    /// For the frame with these `runs`, up to `limit_q20` ticks a bit (times 2^20).
-    pub(super) fn new(runs: &'a [u32], methods: &'static [Method], limit_q20: u64) -> Self {
+    /// For the frame with these `runs`.
+    pub(super) fn new(runs: &'a [u32], methods: &'static [Method], bit_times: BitTimes) -> Self {
         Self {
             runs,
-            limit_q20,
+            bit_times,
             methods,
             source: Source::Exhausted,
             tried: [Tried { bit_q20: 0, chances: 0 }; PROPOSALS_MAX],
@@ -84,7 +85,7 @@ impl<'a> Proposals<'a> {
                 *slot = Tried { bit_q20, chances: 0 };
                 self.len += 1;
             }
-            if bit_q20 <= self.limit_q20 {
+            if (self.bit_times.min_q20..=self.bit_times.max_q20).contains(&bit_q20) {
                 return Some(bit_q20);
             }
         }
@@ -95,8 +96,8 @@ impl<'a> Proposals<'a> {
         let (&method, rest) = self.methods.split_first()?;
         self.methods = rest;
         self.source = match method {
-            Method::Coarse => Source::Coarse(Coarse::new(self.runs, self.limit_q20)),
-            Method::Comb(slack) => Source::Comb(Comb::new(self.runs, slack, self.limit_q20)),
+            Method::Coarse => Source::Coarse(Coarse::new(self.runs, self.bit_times)),
+            Method::Comb(slack) => Source::Comb(Comb::new(self.runs, slack, self.bit_times)),
         };
         Some(())
     }

@@ -2,14 +2,14 @@
 
 use super::comb::Slack;
 use super::data_rate;
-use super::fixed::div_small;
 use super::lattice::Stray;
 use super::places::Places;
 use super::proposals::{Method, Proposals};
+use crate::fixed::div_small;
 use crate::wire::attempts::placements;
 use crate::wire::clock::BitClock;
 use crate::wire::reader::{Activity, Outcome, Placement, Rates, Reading, read};
-use crate::wire::{FdCrc, Received};
+use crate::wire::{FdCrc, Fit, Received};
 
 /// Two bit times closer than this share of one another are the same rate: 1/64.
 pub(super) const SAME_RATE_SHIFT: u32 = 6;
@@ -22,16 +22,47 @@ pub(super) struct Idle {
 }
 
 impl Idle {
-    /// Whether a frame with `bit_q20` ticks a bit (times 2^20) can stand here: ten bits are sure
-    /// before it, rounding may take one; eight behind it, where an overload flag may follow.
+    /// Whether a frame with `bit_q20` ticks a bit (times 2^20) can stand here.
     pub(super) fn suits(self, bit_q20: u64) -> bool {
         bit_q20 <= self.bit_max_q20()
     }
 
-    /// The longest such bit time.
-    pub(super) fn bit_max_q20(self) -> u64 {
+    /// The longest bit time of a frame here: ten bits are sure before it, rounding may take one;
+    /// eight behind it, where an overload flag may follow.
+    fn bit_max_q20(self) -> u64 {
         let before = div_small(u64::from(self.before) << 21, 18);
         before.min(div_small(u64::from(self.behind) << 21, 15))
+    }
+}
+
+/// The bit times that are worth trying, in ticks times 2^20.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct BitTimes {
+    pub(super) min_q20: u64,
+    pub(super) max_q20: u64,
+}
+
+/// However the grid is placed, a run of more bits is longer than stuffing allows.
+const STUFFED_BITS_MAX: u32 = 7;
+/// The stuffed part of any frame is longer, and so is the shortest frame, in nominal bits.
+const FRAME_BITS_MIN: u32 = 20;
+
+impl BitTimes {
+    /// For a frame with these `runs` and `idle`; `None` if there are none.
+    fn of(runs: &[u32], idle: Idle) -> Option<Self> {
+        let max_q20 = idle.bit_max_q20();
+        // A run early in the frame excludes the bit times at which it is too long, and at which
+        // it is early; those of all runs together reach up from zero without a gap.
+        let (mut at, mut longest) = (0_u64, 0_u32);
+        for &run in runs {
+            if at * u64::from(STUFFED_BITS_MAX) > u64::from(longest) * u64::from(FRAME_BITS_MIN) {
+                break;
+            }
+            longest = longest.max(run);
+            at += u64::from(run);
+        }
+        let min_q20 = div_small(u64::from(longest) << 20, STUFFED_BITS_MAX);
+        (min_q20 <= max_q20).then_some(Self { min_q20, max_q20 })
     }
 }
 
@@ -40,6 +71,10 @@ impl Idle {
 pub(super) struct Proof {
     pub(super) attempt: Attempt,
     pub(super) received: Received,
+    /// The nominal edges.
+    pub(super) fit: Fit,
+    /// Their variance about the grid, in ticks squared times 2^20.
+    pub(super) noise_q20: u64,
     /// Readings whose CRC was compared until one was right.
     pub(super) compared: u32,
 }
@@ -61,20 +96,25 @@ impl Attempt {
     ///
     /// Each CRC compared where the edges lie on the grid was one chance to be right by accident.
     pub(super) fn proof(self, activity: Activity<'_>, compared: &mut u32) -> Option<Proof> {
-        if !self.reading.crc_compared || !self.lies_on_grid(activity) {
+        if !self.reading.crc_compared {
+            return None;
+        }
+        // The fitted bit time, because the proposed one may drift off over the frame.
+        let fit = self.reading.nominal.fit();
+        let ticks_q20 = fit.ticks_q20().unwrap_or(self.rates.nominal.ticks_q20());
+        let stray = Stray::of(&Places::nominal(activity, &self), ticks_q20);
+        if !stray.is_of_a_bus(ticks_q20) {
             return None;
         }
         *compared += 1;
         let received = self.reading.proven()?;
-        Some(Proof { attempt: self, received, compared: *compared })
-    }
-
-    /// Whether the nominal edges lie where those of a bus do.
-    fn lies_on_grid(&self, activity: Activity<'_>) -> bool {
-        // The fitted bit time, because the proposed one may drift off over the frame.
-        let fitted = self.reading.nominal.fit().ticks_q20();
-        let ticks_q20 = fitted.unwrap_or(self.rates.nominal.ticks_q20());
-        Stray::of(&Places::nominal(activity, self), ticks_q20).is_of_a_bus(ticks_q20)
+        Some(Proof {
+            attempt: self,
+            received,
+            fit,
+            noise_q20: stray.variance_q20,
+            compared: *compared,
+        })
     }
 }
 
@@ -84,17 +124,17 @@ impl Attempt {
 pub(super) fn prove(activity: Activity<'_>, idle: Idle, compared: &mut u32) -> Option<Proof> {
     const METHODS: [&[Method]; 3] =
         [&[Method::Coarse], &[Method::Comb(Slack::Tight)], &[Method::Comb(Slack::Loose)]];
-    let limit_q20 = idle.bit_max_q20();
-    METHODS.into_iter().find_map(|methods| {
-        first_right(activity, Proposals::new(activity.runs, methods, limit_q20), compared)
-    })
+    let bit_times = BitTimes::of(activity.runs, idle)?;
+    METHODS.into_iter().find_map(|methods| first_right(activity, methods, bit_times, compared))
 }
 
 fn first_right(
     activity: Activity<'_>,
-    mut proposals: Proposals<'_>,
+    methods: &'static [Method],
+    bit_times: BitTimes,
     compared: &mut u32,
 ) -> Option<Proof> {
+    let mut proposals = Proposals::new(activity.runs, methods, bit_times);
     while let Some(bit_q20) = proposals.next() {
         let Some(nominal) = BitClock::new(bit_q20) else { continue };
         let before = *compared;
@@ -112,9 +152,6 @@ fn first_right(
 
 /// Reads `activity` at `rates` in every placement; finds the data rate if the frame asks for it.
 pub(super) fn prove_at(activity: Activity<'_>, rates: &Rates, compared: &mut u32) -> Option<Proof> {
-    if activity.begins_overlong(rates.nominal) {
-        return None;
-    }
     for placement in placements(activity, rates) {
         let attempt = Attempt::new(activity, *rates, placement);
         if let Some(proof) = attempt.proof(activity, compared) {

@@ -10,7 +10,7 @@ mod stuffed;
 mod tail;
 
 use super::bits::BitString;
-use super::clock::{BIT_Q20, BitClock};
+use super::clock::BitClock;
 use super::frame::Id;
 use super::item::{ErrorKind, FdCrc, Field, Received};
 use super::line::Level;
@@ -25,28 +25,7 @@ pub(crate) struct Activity<'a> {
     pub(crate) gap: u32,
 }
 
-/// More bits than any placement of the grid takes for the five that stuffing allows.
-const OVERLONG_Q20: i32 = 7 * BIT_Q20;
-/// Where every frame is stuffed, and no reading has an end: its first bits.
-const ARBITRATION_Q20: i32 = 12 * BIT_Q20;
-
 impl Activity<'_> {
-    /// Whether a run at the beginning is so long at this bit time that every reading fails there.
-    pub(crate) fn begins_overlong(&self, clock: BitClock) -> bool {
-        let mut at = 0_i32;
-        for &run in self.runs {
-            let bits = clock.bits_q20(run);
-            if bits > OVERLONG_Q20 {
-                return true;
-            }
-            at += bits;
-            if at > ARBITRATION_Q20 {
-                break;
-            }
-        }
-        false
-    }
-
     /// Length and level of the run at `index`; the gap is the last.
     #[inline]
     fn run(&self, index: usize) -> Option<(u32, Level)> {
