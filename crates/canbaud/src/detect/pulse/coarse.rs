@@ -5,7 +5,7 @@
 //! is two to ten bits; each of these gives a first bit time, which the other periods then make
 //! exact. The first part only, because a CAN FD frame goes on at another rate.
 
-use super::prove::BitTimes;
+use super::bit_times::BitTimes;
 use crate::fixed::div_small;
 
 /// Fewest ticks a bit for this method; below, rounding a period to bits is a gamble.
@@ -57,7 +57,8 @@ impl<'a> Coarse<'a> {
             if first_q8 > max_q8 + max_q8 / 2 || first_q8 + first_q8 / 2 < min_q8 {
                 continue;
             }
-            if let Some(bit_q20) = refine(self.runs, window, self.shortest, first_q8) {
+            let period = (self.shortest, first_q8);
+            if let Some(bit_q20) = refine(self.runs, window, period, self.bit_times) {
                 return Some(bit_q20);
             }
         }
@@ -80,7 +81,12 @@ fn periods(runs: &[u32]) -> impl Iterator<Item = u32> + '_ {
 
 /// Makes the bit time `first_q8` (ticks times 2^8) exact: first from periods up to twice the
 /// `shortest`, where it hardly miscounts, then from the longest stretch of edges that fits it.
-fn refine(runs: &[u32], window: usize, shortest: u32, first_q8: u64) -> Option<u64> {
+fn refine(
+    runs: &[u32],
+    window: usize,
+    (shortest, first_q8): (u32, u64),
+    bit_times: BitTimes,
+) -> Option<u64> {
     let (mut ticks, mut bits) = (0_u64, 0_u32);
     for period in periods(runs).take(window) {
         // At twice its length, a count off by a quarter of the shortest period is still right.
@@ -93,6 +99,9 @@ fn refine(runs: &[u32], window: usize, shortest: u32, first_q8: u64) -> Option<u
         return None;
     }
     let mut bit_q20 = div_small(ticks << 20, bits);
+    if !bit_times.are_near(bit_q20) {
+        return None;
+    }
     // From the first edge on, each edge that lies on the grid sharpens the bit time.
     let (mut at, mut whole) = (0_u64, 0_u32);
     for (index, period) in periods(runs).enumerate() {

@@ -4,7 +4,7 @@
 //! grid, each late by less than a tick. For every bit time in question, the edges are wrapped
 //! around one bit; where they fit on an arc no longer than a tick, the bit time is possible.
 
-use super::prove::BitTimes;
+use super::bit_times::BitTimes;
 use crate::wire::phase::{BUCKETS, bucket, has_gap};
 
 /// Most bits that these runs have.

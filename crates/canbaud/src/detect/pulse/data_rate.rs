@@ -4,9 +4,10 @@
 //! the CRC delimiter. The edges in between lie on a grid of their own, anchored at the first edge
 //! to dominant behind BRS; how many bits the recessive run with BRS holds is tried out.
 
+use super::bit_times::BitTimes;
 use super::comb::Slack;
 use super::proposals::{Method, Proposals};
-use super::prove::{Attempt, BitTimes, Proof};
+use super::prove::{Attempt, Proof};
 use crate::wire::clock::BitClock;
 use crate::wire::reader::{Activity, DataRate, Placement, Rates};
 use crate::wire::{DataRateWanted, DataTiming, FdCrc};

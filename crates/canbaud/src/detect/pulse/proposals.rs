@@ -1,8 +1,8 @@
 //! Bit times to try for one frame, one after the other.
 
+use super::bit_times::BitTimes;
 use super::coarse::Coarse;
 use super::comb::{Comb, Slack};
-use super::prove::BitTimes;
 
 /// Most bit times tried for one frame.
 const PROPOSALS_MAX: usize = 48;
@@ -85,7 +85,7 @@ impl<'a> Proposals<'a> {
                 *slot = Tried { bit_q20, chances: 0 };
                 self.len += 1;
             }
-            if (self.bit_times.min_q20..=self.bit_times.max_q20).contains(&bit_q20) {
+            if self.bit_times.allow(self.runs, bit_q20) {
                 return Some(bit_q20);
             }
         }

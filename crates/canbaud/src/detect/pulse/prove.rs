@@ -1,5 +1,6 @@
 //! Proof: a proposal counts only when the frame, read at it, has its CRC right.
 
+use super::bit_times::BitTimes;
 use super::comb::Slack;
 use super::data_rate;
 use super::lattice::Stray;
@@ -32,37 +33,6 @@ impl Idle {
     fn bit_max_q20(self) -> u64 {
         let before = div_small(u64::from(self.before) << 21, 18);
         before.min(div_small(u64::from(self.behind) << 21, 15))
-    }
-}
-
-/// The bit times that are worth trying, in ticks times 2^20.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct BitTimes {
-    pub(super) min_q20: u64,
-    pub(super) max_q20: u64,
-}
-
-/// However the grid is placed, a run of more bits is longer than stuffing allows.
-const STUFFED_BITS_MAX: u32 = 7;
-/// The stuffed part of any frame is longer, and so is the shortest frame, in nominal bits.
-const FRAME_BITS_MIN: u32 = 20;
-
-impl BitTimes {
-    /// For a frame with these `runs` and `idle`; `None` if there are none.
-    fn of(runs: &[u32], idle: Idle) -> Option<Self> {
-        let max_q20 = idle.bit_max_q20();
-        // A run early in the frame excludes the bit times at which it is too long, and at which
-        // it is early; those of all runs together reach up from zero without a gap.
-        let (mut at, mut longest) = (0_u64, 0_u32);
-        for &run in runs {
-            if at * u64::from(STUFFED_BITS_MAX) > u64::from(longest) * u64::from(FRAME_BITS_MIN) {
-                break;
-            }
-            longest = longest.max(run);
-            at += u64::from(run);
-        }
-        let min_q20 = div_small(u64::from(longest) << 20, STUFFED_BITS_MAX);
-        (min_q20 <= max_q20).then_some(Self { min_q20, max_q20 })
     }
 }
 
@@ -124,7 +94,7 @@ impl Attempt {
 pub(super) fn prove(activity: Activity<'_>, idle: Idle, compared: &mut u32) -> Option<Proof> {
     const METHODS: [&[Method]; 3] =
         [&[Method::Coarse], &[Method::Comb(Slack::Tight)], &[Method::Comb(Slack::Loose)]];
-    let bit_times = BitTimes::of(activity.runs, idle)?;
+    let bit_times = BitTimes::of(activity.runs, idle.bit_max_q20())?;
     METHODS.into_iter().find_map(|methods| first_right(activity, methods, bit_times, compared))
 }
 
