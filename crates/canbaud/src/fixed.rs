@@ -1,21 +1,23 @@
 //! Divisions for processors that have none: exact, and cheap where numbers are small.
 
-/// `numerator / denominator`, by four steps of 16 bits if the denominator has no more; 0 by 0.
+/// `numerator / denominator`, by divisions of 32 bits if the denominator has up to 16; 0 by 0.
 pub(crate) fn div_small(numerator: u64, denominator: u32) -> u64 {
-    match denominator {
-        0 => 0,
-        1..=0xFFFF => {
-            let (mut quotient, mut rest) = (0_u64, 0_u32);
-            for shift in [48, 32, 16, 0] {
-                // rest < 2^16: the step fits 32 bits.
-                let step = (rest << 16) | (numerator >> shift) as u32 & 0xFFFF;
-                quotient = (quotient << 16) | u64::from(step / denominator);
-                rest = step % denominator;
-            }
-            quotient
-        }
-        _ => numerator / u64::from(denominator),
+    if denominator == 0 {
+        return 0;
     }
+    if denominator > 0xFFFF {
+        return numerator / u64::from(denominator);
+    }
+    let (high, low) = ((numerator >> 32) as u32, numerator as u32);
+    if high == 0 {
+        return u64::from(low / denominator);
+    }
+    // A rest is below 2^16, so the next 16 bits fit beside it.
+    let middle = (high % denominator) << 16 | low >> 16;
+    let last = (middle % denominator) << 16 | low & 0xFFFF;
+    u64::from(high / denominator) << 32
+        | u64::from(middle / denominator) << 16
+        | u64::from(last / denominator)
 }
 
 /// `numerator * 2^20 / denominator`, rounded down; `None` if it has more than 64 bits or the

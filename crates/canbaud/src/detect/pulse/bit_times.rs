@@ -21,23 +21,23 @@ pub(super) struct BitTimes {
 impl BitTimes {
     /// For a frame with these `runs`, up to `max_q20`; `None` if there are none.
     pub(super) fn of(runs: &[u32], max_q20: u64) -> Option<Self> {
-        let (mut min_q20, mut max_q20) = (0, max_q20);
-        let mut at = 0_u64;
+        // A run excludes from `at / FRAME_BITS_MIN` to `(run - 1) * 4 / RUN_QUARTER_BITS_MAX`; of
+        // the runs whose ranges reach up from zero without a gap, `longest` has the highest end.
+        let (mut max_q20, mut longest, mut at) = (max_q20, 0, 0_u64);
         for &run in runs {
-            let begin_q20 = div_small(at << 20, FRAME_BITS_MIN as u32);
-            if begin_q20 >= max_q20 {
+            if at << 20 >= FRAME_BITS_MIN * max_q20 {
                 break;
             }
-            // Between `begin` and `end` the run excludes all.
-            let end_q20 = longest_q20(run);
-            if begin_q20 <= min_q20 {
-                min_q20 = end_q20.max(min_q20);
+            let run_less_one = u64::from(run.saturating_sub(1));
+            if at * RUN_QUARTER_BITS_MAX <= longest * 4 * FRAME_BITS_MIN {
+                longest = longest.max(run_less_one);
             }
-            if end_q20 >= max_q20 {
-                max_q20 = begin_q20;
+            if run_less_one << 22 >= RUN_QUARTER_BITS_MAX * max_q20 {
+                max_q20 = div_small(at << 20, FRAME_BITS_MIN as u32);
             }
             at += u64::from(run);
         }
+        let min_q20 = div_small(longest << 22, RUN_QUARTER_BITS_MAX as u32);
         (min_q20 < max_q20).then_some(Self { min_q20, max_q20 })
     }
 
@@ -60,9 +60,4 @@ impl BitTimes {
     pub(super) fn are_near(&self, bit_q20: u64) -> bool {
         bit_q20 <= self.max_q20 + self.max_q20 / 8 && bit_q20 + bit_q20 / 8 >= self.min_q20
     }
-}
-
-/// The bit time at which a run is just too long.
-fn longest_q20(run: u32) -> u64 {
-    div_small(u64::from(run.saturating_sub(1)) << 22, RUN_QUARTER_BITS_MAX as u32)
 }

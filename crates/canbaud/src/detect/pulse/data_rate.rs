@@ -6,7 +6,7 @@
 
 use super::bit_times::BitTimes;
 use super::comb::Slack;
-use super::proposals::{Method, Proposals};
+use super::proposals::{Method, Proposals, Tried};
 use super::prove::{Attempt, Proof};
 use crate::wire::clock::BitClock;
 use crate::wire::reader::{Activity, DataRate, Placement, Rates};
@@ -38,14 +38,21 @@ pub(super) fn prove(
     // The data rate is never below the nominal one.
     let nominal_q20 = rates.nominal.ticks_q20();
     let bit_times = BitTimes { min_q20: 0, max_q20: nominal_q20 + nominal_q20 / 50 };
-    let mut proposals =
-        Proposals::new(data_runs, &[Method::Coarse, Method::Comb(Slack::Loose)], bit_times);
-    while let Some(bit_q20) = proposals.next() {
-        let Some(clock) = BitClock::new(on_ratio(bit_q20, rates.nominal.ticks_q20())) else {
-            continue;
-        };
-        if let Some(proof) = prove_at(activity, rates, clock, brs_ticks, compared) {
-            return Some(proof);
+    let mut tried = Tried::new();
+    for method in [Method::Coarse, Method::Comb(Slack::Loose)] {
+        let mut proposals = Proposals::new(method, data_runs, bit_times);
+        while !tried.is_full()
+            && let Some(proposal) = proposals.next()
+        {
+            if !tried.enter(proposal) || proposal.bit_q20 > bit_times.max_q20 {
+                continue;
+            }
+            let Some(clock) = BitClock::new(on_ratio(proposal.bit_q20, nominal_q20)) else {
+                continue;
+            };
+            if let Some(proof) = prove_at(activity, rates, clock, brs_ticks, compared) {
+                return Some(proof);
+            }
         }
     }
     None

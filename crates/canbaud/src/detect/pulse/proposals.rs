@@ -14,105 +14,87 @@ pub(super) enum Method {
     Comb(Slack),
 }
 
+/// A bit time that one of the methods found.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Proposal {
+    /// In ticks times 2^20.
+    pub(super) bit_q20: u64,
+    /// Another one this near is the same.
+    apart_q20: u64,
+}
+
+/// The bit times that one method finds.
 #[derive(Debug, Clone)]
-enum Source<'a> {
+pub(super) enum Proposals<'a> {
     Coarse(Coarse<'a>),
     Comb(Comb<'a>),
-    Exhausted,
-}
-
-/// A bit time that was tried.
-#[derive(Debug, Clone, Copy)]
-struct Tried {
-    bit_q20: u64,
-    /// CRCs that were compared for it.
-    chances: u32,
-}
-
-/// The bit times that some methods find for a frame, each once.
-#[derive(Debug, Clone)]
-pub(super) struct Proposals<'a> {
-    runs: &'a [u32],
-    bit_times: BitTimes,
-    /// The methods behind the current one.
-    methods: &'static [Method],
-    source: Source<'a>,
-    tried: [Tried; PROPOSALS_MAX],
-    len: usize,
 }
 
 impl<'a> Proposals<'a> {
     /// For the frame with these `runs`.
-    pub(super) fn new(runs: &'a [u32], methods: &'static [Method], bit_times: BitTimes) -> Self {
-        Self {
-            runs,
-            bit_times,
-            methods,
-            source: Source::Exhausted,
-            tried: [Tried { bit_q20: 0, chances: 0 }; PROPOSALS_MAX],
-            len: 0,
+    pub(super) fn new(method: Method, runs: &'a [u32], bit_times: BitTimes) -> Self {
+        match method {
+            Method::Coarse => Self::Coarse(Coarse::new(runs, bit_times)),
+            Method::Comb(slack) => Self::Comb(Comb::new(runs, slack, bit_times)),
         }
     }
 
-    /// The next bit time, in ticks times 2^20.
-    pub(super) fn next(&mut self) -> Option<u64> {
-        while self.len < PROPOSALS_MAX {
-            let (bit_q20, apart) = match &mut self.source {
-                Source::Coarse(coarse) => match coarse.next() {
-                    Some(bit_q20) => (bit_q20, bit_q20 / 1000),
-                    None => {
-                        self.source = Source::Exhausted;
-                        continue;
-                    }
-                },
-                Source::Comb(comb) => match comb.next() {
-                    Some(bit_q20) => (bit_q20, comb.apart_q20(bit_q20)),
-                    None => {
-                        self.source = Source::Exhausted;
-                        continue;
-                    }
-                },
-                Source::Exhausted => {
-                    self.enter_method()?;
-                    continue;
-                }
-            };
-            let tried = self.tried.get(..self.len).unwrap_or(&[]);
-            if tried.iter().any(|other| other.bit_q20.abs_diff(bit_q20) <= apart) {
-                continue;
+    /// The next one.
+    pub(super) fn next(&mut self) -> Option<Proposal> {
+        match self {
+            Self::Coarse(coarse) => {
+                coarse.next().map(|bit_q20| Proposal { bit_q20, apart_q20: bit_q20 / 1000 })
             }
-            if let Some(slot) = self.tried.get_mut(self.len) {
-                *slot = Tried { bit_q20, chances: 0 };
-                self.len += 1;
-            }
-            if self.bit_times.allow(self.runs, bit_q20) {
-                return Some(bit_q20);
+            Self::Comb(comb) => {
+                comb.next().map(|bit_q20| Proposal { bit_q20, apart_q20: comb.apart_q20(bit_q20) })
             }
         }
-        None
+    }
+}
+
+/// The bit times that were tried for a frame, each once.
+#[derive(Debug, Clone)]
+pub(super) struct Tried {
+    bits_q20: [u64; PROPOSALS_MAX],
+    /// CRCs that were compared for each.
+    chances: [u32; PROPOSALS_MAX],
+    len: usize,
+}
+
+impl Tried {
+    pub(super) const fn new() -> Self {
+        Self { bits_q20: [0; PROPOSALS_MAX], chances: [0; PROPOSALS_MAX], len: 0 }
     }
 
-    fn enter_method(&mut self) -> Option<()> {
-        let (&method, rest) = self.methods.split_first()?;
-        self.methods = rest;
-        self.source = match method {
-            Method::Coarse => Source::Coarse(Coarse::new(self.runs, self.bit_times)),
-            Method::Comb(slack) => Source::Comb(Comb::new(self.runs, slack, self.bit_times)),
-        };
-        Some(())
+    /// Whether there is no room for more.
+    pub(super) const fn is_full(&self) -> bool {
+        self.len == PROPOSALS_MAX
     }
 
-    /// Notes how many CRCs were compared for the bit time that came last.
+    /// Enters one that is to be tried; `false` if it was tried before.
+    pub(super) fn enter(&mut self, proposal: Proposal) -> bool {
+        let mut known = self.bits_q20.iter().take(self.len);
+        if known.any(|known| known.abs_diff(proposal.bit_q20) <= proposal.apart_q20) {
+            return false;
+        }
+        if let Some(slot) = self.bits_q20.get_mut(self.len) {
+            *slot = proposal.bit_q20;
+            self.len += 1;
+        }
+        true
+    }
+
+    /// Notes how many CRCs were compared for the bit time that was entered last.
     pub(super) fn note_chances(&mut self, chances: u32) {
-        if let Some(last) = self.len.checked_sub(1).and_then(|last| self.tried.get_mut(last)) {
-            last.chances = chances;
+        if let Some(last) = self.len.checked_sub(1).and_then(|last| self.chances.get_mut(last)) {
+            *last = chances;
         }
     }
 
-    /// CRCs that were compared for bit times up to `apart` from `bit_q20`.
-    pub(super) fn chances_near(&self, bit_q20: u64, apart: u64) -> u32 {
-        let tried = self.tried.get(..self.len).unwrap_or(&[]);
-        let near = tried.iter().filter(|tried| tried.bit_q20.abs_diff(bit_q20) <= apart);
-        near.map(|tried| tried.chances).sum()
+    /// CRCs that were compared for bit times up to `apart_q20` from `bit_q20`.
+    pub(super) fn chances_near(&self, bit_q20: u64, apart_q20: u64) -> u32 {
+        let tried = self.bits_q20.iter().zip(&self.chances).take(self.len);
+        let near = tried.filter(|(known, _)| known.abs_diff(bit_q20) <= apart_q20);
+        near.map(|(_, chances)| chances).sum()
     }
 }

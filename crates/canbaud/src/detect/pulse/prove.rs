@@ -5,7 +5,7 @@ use super::comb::Slack;
 use super::data_rate;
 use super::lattice::Stray;
 use super::places::Places;
-use super::proposals::{Method, Proposals};
+use super::proposals::{Method, Proposals, Tried};
 use crate::fixed::div_small;
 use crate::wire::attempts::placements;
 use crate::wire::clock::BitClock;
@@ -65,21 +65,21 @@ impl Attempt {
     /// The proof, if the edges lie on the grid and the CRC is right.
     ///
     /// Each CRC compared where the edges lie on the grid was one chance to be right by accident.
-    pub(super) fn proof(self, activity: Activity<'_>, compared: &mut u32) -> Option<Proof> {
+    pub(super) fn proof(&self, activity: Activity<'_>, compared: &mut u32) -> Option<Proof> {
         if !self.reading.crc_compared {
             return None;
         }
         // The fitted bit time, because the proposed one may drift off over the frame.
         let fit = self.reading.nominal.fit();
         let ticks_q20 = fit.ticks_q20().unwrap_or(self.rates.nominal.ticks_q20());
-        let stray = Stray::of(&Places::nominal(activity, &self), ticks_q20);
+        let stray = Stray::of(&Places::nominal(activity, self), ticks_q20);
         if !stray.is_of_a_bus(ticks_q20) {
             return None;
         }
         *compared += 1;
         let received = self.reading.proven()?;
         Some(Proof {
-            attempt: self,
+            attempt: *self,
             received,
             fit,
             noise_q20: stray.variance_q20,
@@ -92,30 +92,39 @@ impl Attempt {
 ///
 /// A frame has its idle around it, so bit times that the idle is too short for are not tried.
 pub(super) fn prove(activity: Activity<'_>, idle: Idle, compared: &mut u32) -> Option<Proof> {
-    const METHODS: [&[Method]; 3] =
-        [&[Method::Coarse], &[Method::Comb(Slack::Tight)], &[Method::Comb(Slack::Loose)]];
+    const METHODS: [Method; 3] =
+        [Method::Coarse, Method::Comb(Slack::Tight), Method::Comb(Slack::Loose)];
     let bit_times = BitTimes::of(activity.runs, idle.bit_max_q20())?;
-    METHODS.into_iter().find_map(|methods| first_right(activity, methods, bit_times, compared))
+    METHODS.into_iter().find_map(|method| first_right(activity, method, bit_times, compared))
 }
 
 fn first_right(
     activity: Activity<'_>,
-    methods: &'static [Method],
+    method: Method,
     bit_times: BitTimes,
     compared: &mut u32,
 ) -> Option<Proof> {
-    let mut proposals = Proposals::new(activity.runs, methods, bit_times);
-    while let Some(bit_q20) = proposals.next() {
-        let Some(nominal) = BitClock::new(bit_q20) else { continue };
-        let before = *compared;
-        let rates = Rates { nominal, data: None, fd_crc: FdCrc::Iso, late_ticks_q20: 0 };
-        let proof = prove_at(activity, &rates, compared);
-        proposals.note_chances(*compared - before);
-        if let Some(proof) = proof {
-            // An accident at nearly the same bit time would be no wrong rate.
-            let harmless = proposals.chances_near(bit_q20, bit_q20 >> SAME_RATE_SHIFT);
-            return Some(Proof { compared: *compared + 1 - harmless, ..proof });
+    let mut proposals = Proposals::new(method, activity.runs, bit_times);
+    let mut proposal = proposals.next()?;
+    let mut tried = Tried::new();
+    while !tried.is_full() {
+        let bit_q20 = proposal.bit_q20;
+        if tried.enter(proposal)
+            && bit_times.allow(activity.runs, bit_q20)
+            && let Some(nominal) = BitClock::new(bit_q20)
+        {
+            let before = *compared;
+            let rates = Rates { nominal, data: None, fd_crc: FdCrc::Iso, late_ticks_q20: 0 };
+            let proof = prove_at(activity, &rates, compared);
+            tried.note_chances(*compared - before);
+            if let Some(mut proof) = proof {
+                // An accident at nearly the same bit time would be no wrong rate.
+                let harmless = tried.chances_near(bit_q20, bit_q20 >> SAME_RATE_SHIFT);
+                proof.compared = *compared + 1 - harmless;
+                return Some(proof);
+            }
         }
+        proposal = proposals.next()?;
     }
     None
 }
