@@ -70,16 +70,23 @@ impl BitString {
     /// Appends `count` bits of one level.
     #[inline]
     pub fn push_run(&mut self, level: Level, count: u32) {
+        match level {
+            // What was never written is dominant.
+            Level::Dominant => self.len = self.len.saturating_add(count as usize),
+            Level::Recessive if count <= WORD_BITS as u32 => self.push(u32::MAX, count),
+            Level::Recessive => self.push_long_run(count),
+        }
+    }
+
+    #[inline(never)]
+    fn push_long_run(&mut self, count: u32) {
         // More would not be stored; a reader notices from the length all the same.
         let stored = count.min(2 * Self::CAPACITY as u32);
         self.len = self.len.saturating_add((count - stored) as usize);
         let mut left = stored;
         while left > 0 {
-            let step = if left < 32 { left } else { 32 };
-            match level {
-                Level::Recessive => self.push(u32::MAX, step),
-                Level::Dominant => self.push(0, step),
-            }
+            let step = left.min(WORD_BITS as u32);
+            self.push(u32::MAX, step);
             left -= step;
         }
     }

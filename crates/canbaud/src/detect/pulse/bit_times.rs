@@ -24,19 +24,25 @@ impl BitTimes {
         // A run excludes from `at / FRAME_BITS_MIN` to `(run - 1) * 4 / RUN_QUARTER_BITS_MAX`; of
         // the runs whose ranges reach up from zero without a gap, `longest` has the highest end.
         let (mut max_q20, mut longest, mut at) = (max_q20, 0, 0_u64);
+        let mut ends = Ends::of(max_q20);
         for &run in runs {
-            if at << 20 >= FRAME_BITS_MIN * max_q20 {
+            let begin = at;
+            if begin >= ends.at {
                 break;
             }
-            let run_less_one = u64::from(run.saturating_sub(1));
-            if at * RUN_QUARTER_BITS_MAX <= longest * 4 * FRAME_BITS_MIN {
-                longest = longest.max(run_less_one);
-            }
-            if run_less_one << 22 >= RUN_QUARTER_BITS_MAX * max_q20 {
-                max_q20 = div_small(at << 20, FRAME_BITS_MIN as u32);
-            }
             at += u64::from(run);
+            let less_one = run.saturating_sub(1);
+            if less_one > longest
+                && begin * RUN_QUARTER_BITS_MAX <= u64::from(longest) * 4 * FRAME_BITS_MIN
+            {
+                longest = less_one;
+            }
+            if less_one >= ends.less_one {
+                max_q20 = div_small(begin << 20, FRAME_BITS_MIN as u32);
+                ends = Ends::of(max_q20);
+            }
         }
+        let longest = u64::from(longest);
         let min_q20 = div_small(longest << 22, RUN_QUARTER_BITS_MAX as u32);
         (min_q20 < max_q20).then_some(Self { min_q20, max_q20 })
     }
@@ -59,5 +65,19 @@ impl BitTimes {
     /// Whether a first guess may come out as one of them: an eighth more or less.
     pub(super) fn are_near(&self, bit_q20: u64) -> bool {
         bit_q20 <= self.max_q20 + self.max_q20 / 8 && bit_q20 + bit_q20 / 8 >= self.min_q20
+    }
+}
+
+/// From where on runs do not matter, and how long a run excludes the longest bit time.
+struct Ends {
+    at: u64,
+    less_one: u32,
+}
+
+impl Ends {
+    fn of(max_q20: u64) -> Self {
+        let at = (FRAME_BITS_MIN.saturating_mul(max_q20)).div_ceil(1 << 20);
+        let less_one = (RUN_QUARTER_BITS_MAX.saturating_mul(max_q20)).div_ceil(1 << 22);
+        Self { at, less_one: u32::try_from(less_one).unwrap_or(u32::MAX) }
     }
 }

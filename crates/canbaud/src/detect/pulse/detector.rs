@@ -306,8 +306,8 @@ impl Rate {
         if self.proven == 1 && self.nominal.frames() == 1 {
             self.nominal.set_noise(proof.noise_q20);
             self.data.set_noise(proof.noise_q20);
-            if let Some(interval) = interval::of(&Places::nominal(activity, &proof.attempt)) {
-                self.nominal.set_interval(&interval);
+            if let Some(interval) = &proof.interval {
+                self.nominal.set_interval(interval);
             }
         }
         if self.data.frames() == 1

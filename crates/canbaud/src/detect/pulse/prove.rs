@@ -3,6 +3,7 @@
 use super::bit_times::BitTimes;
 use super::comb::Slack;
 use super::data_rate;
+use super::interval::{self, Interval};
 use super::lattice::Stray;
 use super::places::Places;
 use super::proposals::{Method, Proposals, Tried};
@@ -45,6 +46,8 @@ pub(super) struct Proof {
     pub(super) fit: Fit,
     /// Their variance about the grid, in ticks squared times 2^20.
     pub(super) noise_q20: u64,
+    /// The bit times that the nominal edges allow.
+    pub(super) interval: Option<Interval>,
     /// Readings whose CRC was compared until one was right.
     pub(super) compared: u32,
 }
@@ -72,7 +75,8 @@ impl Attempt {
         // The fitted bit time, because the proposed one may drift off over the frame.
         let fit = self.reading.nominal.fit();
         let ticks_q20 = fit.ticks_q20().unwrap_or(self.rates.nominal.ticks_q20());
-        let stray = Stray::of(&Places::nominal(activity, self), ticks_q20);
+        let places = Places::nominal(activity, self);
+        let stray = Stray::of(&places, ticks_q20);
         if !stray.is_of_a_bus(ticks_q20) {
             return None;
         }
@@ -83,6 +87,7 @@ impl Attempt {
             received,
             fit,
             noise_q20: stray.variance_q20,
+            interval: interval::of(&places),
             compared: *compared,
         })
     }
