@@ -44,7 +44,7 @@ pub(super) fn prove(
         while !tried.is_full()
             && let Some(proposal) = proposals.next()
         {
-            if !tried.enter(proposal) || proposal.bit_q20 > bit_times.max_q20 {
+            if tried.enter(proposal).is_none() || proposal.bit_q20 > bit_times.max_q20 {
                 continue;
             }
             let Some(clock) = BitClock::new(on_ratio(proposal.bit_q20, nominal_q20)) else {

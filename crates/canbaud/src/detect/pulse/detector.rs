@@ -2,7 +2,7 @@
 
 use super::measure::{Measurement, pool};
 use super::places::Places;
-use super::prove::{Idle, Proof, SAME_RATE_SHIFT, prove, prove_at};
+use super::prove::{Idle, Proof, SAME_RATE_SHIFT, Tries, prove, prove_at};
 use super::segment::{Candidate, End, Segmenter};
 use super::{glitch, interval};
 use crate::detect::{BitTime, DataPhase, Found, Need, Phase, Verdict};
@@ -280,7 +280,8 @@ impl Rate {
         let runs = glitch::without(activity.runs, width, room).unwrap_or(activity.runs);
         let activity = Activity { runs, ..activity };
         // A receiver tolerates several percent; a frame that far off is of another rate.
-        let proof = prove_at(activity, &self.rates, &mut 0).filter(|proof| self.is_of(proof));
+        let proof =
+            prove_at(activity, &self.rates, Tries::All, &mut 0).filter(|proof| self.is_of(proof));
         if let Some(proof) = &proof {
             self.add(proof, activity);
         }

@@ -81,7 +81,7 @@ fn tightest(places: &[Place], side: Side) -> Option<Bound> {
     let (&first, &last) = (places.first()?, places.iter().step_by(2).next_back()?);
     let mut bound = side.bound(first, last);
     for _ in 0..places.len() {
-        let mut most = u64::from(bound.bits) as i64;
+        let mut most = i64::from(bound.bits);
         let mut next = None;
         // For each polarity, the edge with the least distance so far.
         let mut least = [(i64::MAX, first); 2];

@@ -71,23 +71,31 @@ impl Tried {
         self.len == PROPOSALS_MAX
     }
 
-    /// Enters one that is to be tried; `false` if it was tried before.
-    pub(super) fn enter(&mut self, proposal: Proposal) -> bool {
-        let mut known = self.bits_q20.iter().take(self.len);
-        if known.any(|known| known.abs_diff(proposal.bit_q20) <= proposal.apart_q20) {
-            return false;
-        }
-        if let Some(slot) = self.bits_q20.get_mut(self.len) {
-            *slot = proposal.bit_q20;
-            self.len += 1;
-        }
-        true
+    pub(super) const fn len(&self) -> usize {
+        self.len
     }
 
-    /// Notes how many CRCs were compared for the bit time that was entered last.
-    pub(super) fn note_chances(&mut self, chances: u32) {
-        if let Some(last) = self.len.checked_sub(1).and_then(|last| self.chances.get_mut(last)) {
-            *last = chances;
+    /// Enters one that is to be tried and gives its index; `None` if it was tried before.
+    pub(super) fn enter(&mut self, proposal: Proposal) -> Option<usize> {
+        let mut known = self.bits_q20.iter().take(self.len);
+        if known.any(|known| known.abs_diff(proposal.bit_q20) <= proposal.apart_q20) {
+            return None;
+        }
+        let index = self.len;
+        *self.bits_q20.get_mut(index)? = proposal.bit_q20;
+        self.len += 1;
+        Some(index)
+    }
+
+    /// The bit time at `index`.
+    pub(super) fn bit_q20(&self, index: usize) -> Option<u64> {
+        self.bits_q20.get(index).copied()
+    }
+
+    /// Notes that so many CRCs were compared for the bit time at `index`.
+    pub(super) fn add_chances(&mut self, index: usize, chances: u32) {
+        if let Some(slot) = self.chances.get_mut(index) {
+            *slot += chances;
         }
     }
 

@@ -110,33 +110,72 @@ fn first_right(
     compared: &mut u32,
 ) -> Option<Proof> {
     let mut proposals = Proposals::new(method, activity.runs, bit_times);
-    let mut proposal = proposals.next()?;
+    let mut proposal = proposals.next();
+    proposal?;
     let mut tried = Tried::new();
-    while !tried.is_full() {
-        let bit_q20 = proposal.bit_q20;
-        if tried.enter(proposal)
-            && bit_times.allow(activity.runs, bit_q20)
-            && let Some(nominal) = BitClock::new(bit_q20)
+    // The right one is nearly always right at the first placement: that of all comes before the
+    // others of any.
+    while let Some(next) = proposal
+        && !tried.is_full()
+    {
+        if bit_times.allow(activity.runs, next.bit_q20)
+            && let Some(index) = tried.enter(next)
+            && let Some(proof) = try_at(activity, Tries::First, &mut tried, index, compared)
         {
-            let before = *compared;
-            let rates = Rates { nominal, data: None, fd_crc: FdCrc::Iso, late_ticks_q20: 0 };
-            let proof = prove_at(activity, &rates, compared);
-            tried.note_chances(*compared - before);
-            if let Some(mut proof) = proof {
-                // An accident at nearly the same bit time would be no wrong rate.
-                let harmless = tried.chances_near(bit_q20, bit_q20 >> SAME_RATE_SHIFT);
-                proof.compared = *compared + 1 - harmless;
-                return Some(proof);
-            }
+            return Some(proof);
         }
-        proposal = proposals.next()?;
+        proposal = proposals.next();
     }
-    None
+    (0..tried.len()).find_map(|index| try_at(activity, Tries::Others, &mut tried, index, compared))
 }
 
-/// Reads `activity` at `rates` in every placement; finds the data rate if the frame asks for it.
-pub(super) fn prove_at(activity: Activity<'_>, rates: &Rates, compared: &mut u32) -> Option<Proof> {
-    for placement in placements(activity, rates) {
+/// Tries to prove the bit time at `index` of those `tried`.
+fn try_at(
+    activity: Activity<'_>,
+    tries: Tries,
+    tried: &mut Tried,
+    index: usize,
+    compared: &mut u32,
+) -> Option<Proof> {
+    let bit_q20 = tried.bit_q20(index)?;
+    let rates = Rates {
+        nominal: BitClock::new(bit_q20)?,
+        data: None,
+        fd_crc: FdCrc::Iso,
+        late_ticks_q20: 0,
+    };
+    let before = *compared;
+    let mut proof = prove_at(activity, &rates, tries, compared);
+    tried.add_chances(index, *compared - before);
+    if let Some(proof) = &mut proof {
+        // An accident at nearly the same bit time would be no wrong rate.
+        let harmless = tried.chances_near(bit_q20, bit_q20 >> SAME_RATE_SHIFT);
+        proof.compared = *compared + 1 - harmless;
+    }
+    proof
+}
+
+/// Which placements of the grid to try.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Tries {
+    First,
+    Others,
+    All,
+}
+
+/// Reads `activity` at `rates` in these placements; finds the data rate if the frame asks for it.
+pub(super) fn prove_at(
+    activity: Activity<'_>,
+    rates: &Rates,
+    tries: Tries,
+    compared: &mut u32,
+) -> Option<Proof> {
+    let (skip, take) = match tries {
+        Tries::First => (0, 1),
+        Tries::Others => (1, usize::MAX),
+        Tries::All => (0, usize::MAX),
+    };
+    for placement in placements(activity, rates).skip(skip).take(take) {
         let attempt = Attempt::new(activity, *rates, placement);
         if let Some(proof) = attempt.proof(activity, compared) {
             return Some(proof);
