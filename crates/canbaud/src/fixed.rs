@@ -69,7 +69,7 @@ pub(crate) fn sqrt(value: u128) -> u64 {
     let mut rest = value;
     let mut root = 0_u128;
     // The highest power of four that is not above the value.
-    let mut bit = 1 << (127 - (value | 1).leading_zeros()) / 2 * 2;
+    let mut bit = 1 << ((127 - (value | 1).leading_zeros()) & !1);
     while bit != 0 {
         if rest >= root + bit {
             rest -= root + bit;

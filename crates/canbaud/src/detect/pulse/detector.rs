@@ -338,11 +338,11 @@ impl Rate {
 
     /// Reads the next frame at the bit times measured so far.
     fn sharpen(&mut self) {
-        let measured = self.nominal.bit_time().and_then(|bit| BitClock::new(bit.ticks_q20));
+        let measured = self.nominal.ticks_q20().and_then(BitClock::new);
         if let Some(clock) = measured {
             self.rates.nominal = clock;
         }
-        let data = self.data.bit_time().and_then(|bit| BitClock::new(bit.ticks_q20));
+        let data = self.data.ticks_q20().and_then(BitClock::new);
         if let (Some(clock), Some(rate)) = (data, &mut self.rates.data) {
             rate.clock = clock;
         }

@@ -81,32 +81,48 @@ fn tightest(places: &[Place], side: Side) -> Option<Bound> {
     let (&first, &last) = (places.first()?, places.iter().step_by(2).next_back()?);
     let mut bound = side.bound(first, last);
     for _ in 0..places.len() {
-        let mut most = i64::from(bound.bits);
-        let mut next = None;
-        // For each polarity, the edge with the least distance so far.
-        let mut least = [(i64::MAX, first); 2];
-        for (index, &place) in places.iter().enumerate() {
-            let off = u64::from(place.ticks) * u64::from(bound.bits);
-            let off = off.wrapping_sub(u64::from(place.bits) * u64::from(bound.ticks)) as i64;
-            let off = match side {
-                Side::Low => off,
-                Side::High => -off,
-            };
-            let [even, odd] = &mut least;
-            let least = if index % 2 == 0 { even } else { odd };
-            if off <= least.0 {
-                *least = (off, place);
-            } else if off - least.0 > most {
-                most = off - least.0;
-                next = Some(side.bound(least.1, place));
-            }
-        }
-        match next {
-            Some(tighter) => bound = tighter,
+        let tighter = [0, 1].into_iter().fold(None, |most, parity| {
+            violation(places.get(parity..).unwrap_or(&[]), side, bound, most)
+        });
+        match tighter {
+            Some(violation) => bound = side.bound(violation.first, violation.second),
             None => break,
         }
     }
     Some(bound)
+}
+
+/// Two edges that are closer, or farther apart, than a bound says.
+#[derive(Debug, Clone, Copy)]
+struct Violation {
+    first: Place,
+    second: Place,
+    /// By how much, in ticks times the bits of the bound.
+    by: i64,
+}
+
+/// The two of every other edge that violate `bound` most, if more than `most` does.
+fn violation(
+    places: &[Place],
+    side: Side,
+    bound: Bound,
+    mut most: Option<Violation>,
+) -> Option<Violation> {
+    let (mut first, mut least) = (*places.first()?, i64::MAX);
+    let mut by_most = most.map_or(i64::from(bound.bits), |most| most.by);
+    for &place in places.iter().step_by(2) {
+        // How far the edge is behind the grid of the bound, or ahead of it.
+        let behind = i64::from(place.ticks) * i64::from(bound.bits)
+            - i64::from(place.bits) * i64::from(bound.ticks);
+        let off = if side == Side::Low { behind } else { -behind };
+        if off < least {
+            (first, least) = (place, off);
+        } else if off - least > by_most {
+            by_most = off - least;
+            most = Some(Violation { first, second: place, by: by_most });
+        }
+    }
+    most
 }
 
 #[cfg(test)]

@@ -91,9 +91,6 @@ impl Measurement {
     /// The bit time; `None` without at least two edges of one polarity in a frame.
     #[must_use]
     pub fn bit_time(&self) -> Option<BitTime> {
-        if self.sxx_q8 == 0 {
-            return None;
-        }
         let ticks_q20 = self.ticks_q20()?;
         let variance = self.theory_q40().max(self.scatter_q40());
         let deviation = u128::from(sqrt(variance));
@@ -102,8 +99,11 @@ impl Measurement {
         Some(BitTime { ticks_q20, uncertainty_ppb })
     }
 
-    /// The mean, in two steps so that no length of capture overflows.
-    fn ticks_q20(&self) -> Option<u64> {
+    /// The bit time alone: the mean, in two steps so that no length of capture overflows.
+    pub(super) fn ticks_q20(&self) -> Option<u64> {
+        if self.sxx_q8 == 0 {
+            return None;
+        }
         if let (Some(bounded), 1) = (self.bounded_q20, self.frames) {
             return Some(bounded);
         }
