@@ -310,10 +310,21 @@ print("reply", (0x322, b"\xc0\xff\xee") in active)
 #[test]
 fn python_can_finds_the_rate_through_the_adapter() {
     let Some(python) = python() else { return };
-    for errors in ["records", "flags", "silent"] {
+    let all = "wrong 0\nright 8 True\nreply True\n";
+    for (args, want) in [
+        (&[][..], all),
+        (&["--errors", "records"], all),
+        (&["--errors", "silent"], all),
+        (&["--firmware", "canable2"], all),
+        (&["--firmware", "usbtin"], all),
+        // There is no L, so listen-only never opens and any rate looks like an idle bus.
+        (&["--firmware", "canable1"], "wrong 0\nright 0 False\nreply True\n"),
+        (&["--firmware", "canable2-stock"], "wrong 0\nright 0 False\nreply True\n"),
+    ] {
         let (_directory, path) = written(TALKING);
         let mut server = canbaud()
-            .args(["simulate", "--slcan", "adapter", "--errors", errors])
+            .args(["simulate", "--slcan", "adapter"])
+            .args(args)
             .arg(&path)
             .stdout(Stdio::piped())
             .spawn()
@@ -324,6 +335,6 @@ fn python_can_finds_the_rate_through_the_adapter() {
         server.kill().unwrap();
         server.wait().unwrap();
         assert!(output.status.success(), "{}", text(&output.stderr));
-        assert_eq!(text(&output.stdout), "wrong 0\nright 8 True\nreply True\n", "{errors}");
+        assert_eq!(text(&output.stdout), want, "{args:?}");
     }
 }

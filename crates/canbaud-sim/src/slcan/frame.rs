@@ -2,6 +2,9 @@
 
 use canbaud::wire::{Frame, FrameKind, Id};
 
+use super::command::{Report, Stamps, Switch};
+use crate::time::Time;
+
 /// The letter of a frame: lower case for a base identifier.
 const fn letter(frame: &Frame) -> char {
     match (frame.kind(), frame.id().is_extended()) {
@@ -16,8 +19,8 @@ const fn letter(frame: &Frame) -> char {
     }
 }
 
-/// A received frame without its CR; `stamp` in ms if time stamps are on.
-pub(super) fn print(frame: &Frame, stamp: Option<u16>) -> String {
+/// A frame without its CR, with what `report` wants after the data; it happened at `at`.
+pub(super) fn print(frame: &Frame, report: Report, at: Time) -> String {
     use core::fmt::Write;
     let dlc = if frame.kind().is_fd() { frame.dlc() } else { frame.dlc().min(8) };
     let mut text = format!("{}{}{dlc:X}", letter(frame), frame.id());
@@ -25,8 +28,14 @@ pub(super) fn print(frame: &Frame, stamp: Option<u16>) -> String {
         // Writing to a String cannot fail.
         let _ = write!(text, "{byte:02X}");
     }
-    if let Some(stamp) = stamp {
-        let _ = write!(text, "{stamp:04X}");
+    let us = at.femtoseconds() / 1_000_000_000;
+    let _ = match report.stamps {
+        Stamps::None => Ok(()),
+        Stamps::Milliseconds => write!(text, "{:04X}", us / 1_000 % 60_000),
+        Stamps::Microseconds => write!(text, "{:08X}", us % 3_600_000_000),
+    };
+    if let (Switch::On, FrameKind::Fd { esi, .. }) = (report.esi, frame.kind()) {
+        text.push(if esi { '1' } else { '0' });
     }
     text
 }
@@ -67,6 +76,7 @@ pub(super) fn parse(line: &str) -> Option<Frame> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::time::Span;
 
     #[test]
     fn every_letter_there_and_back() {
@@ -78,9 +88,23 @@ mod tests {
             "d1239000102030405060708090A0B",
             "B123456781AA",
         ] {
-            assert_eq!(print(&parse(line).unwrap(), None), line);
+            let plain = Report::with(Stamps::None);
+            assert_eq!(print(&parse(line).unwrap(), plain, Time::ZERO), line);
         }
-        assert_eq!(print(&parse("t0010").unwrap(), Some(0xEA5F)), "t0010EA5F");
+    }
+
+    #[test]
+    fn stamps_and_esi_follow_the_data() {
+        let print = |line: &str, report: Report, ms: u64| {
+            super::print(&parse(line).unwrap(), report, Time::ZERO + Span::from_ms(ms))
+        };
+        let ms = Report::with(Stamps::Milliseconds);
+        assert_eq!(print("t0010", ms, 59_999), "t0010EA5F");
+        assert_eq!(print("t0010", ms, 60_000), "t00100000");
+        let us = Report { esi: Switch::On, ..Report::with(Stamps::Microseconds) };
+        // One hour less one millisecond, and CAN FD alone has an ESI.
+        assert_eq!(print("d0010", us, 3_599_999), "d0010D693A0180");
+        assert_eq!(print("t0010", us, 3_600_000), "t001000000000");
     }
 
     #[test]

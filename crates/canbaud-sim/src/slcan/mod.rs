@@ -4,13 +4,19 @@
 //! records are those that the kernel's slcan driver reads.
 
 mod adapter;
+mod command;
 mod filter;
+mod firmware;
 mod frame;
+mod log;
 mod rates;
+mod status;
 
 #[cfg(unix)]
 mod pty;
 
-pub use adapter::{Adapter, Dialect, ErrorReports};
+pub use adapter::Adapter;
+pub use firmware::{ErrorReports, Firmware, SilentMode};
+pub use log::{Effect, Entry, What};
 #[cfg(unix)]
 pub use pty::Pty;

@@ -1,22 +1,26 @@
 //! The bus behind a slcan adapter on a pty.
 
+use std::fs::File;
 use std::io::{self, Write};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use canbaud_sim::scenario::{Run, Scenario};
-use canbaud_sim::slcan::{Adapter, Dialect, ErrorReports, Pty};
-use canbaud_sim::{Blind, Mode, NodeConfig, Span, Time};
+use canbaud_sim::slcan::{Adapter, ErrorReports, Firmware, Pty, SilentMode};
+use canbaud_sim::{Blind, Mode, NodeConfig, NodeId, Span, Time};
 
 use super::Outcome;
-use super::args::{DialectName, ErrorReports as ReportsName, SimulateArgs};
+use super::args::{
+    ErrorReports as ReportsName, FirmwareName, SilentMode as SilentModeName, SimulateArgs,
+};
 
 /// The bus runs this far at a time.
 const SLICE: Span = Span::from_us(500);
 /// Bytes that wait for a host that does not read.
 const BACKLOG: usize = 1 << 16;
 
-/// Serves until the end of the scenario.
+/// Serves until the end of the scenario, or until the adapter is unplugged.
 pub(super) fn serve(args: &SimulateArgs, scenario: &Scenario, name: &str) -> Result<Outcome> {
     let Some((node, config)) = scenario.node(name) else {
         bail!("no node \"{name}\", there are: {}", scenario.node_names().join(", "));
@@ -26,24 +30,55 @@ pub(super) fn serve(args: &SimulateArgs, scenario: &Scenario, name: &str) -> Res
     let off = NodeConfig { mode: Mode::Disabled, ..config.clone() };
     run.sim_mut().reconfigure_at(Time::ZERO, node, off)?;
     run.hold_news(node);
-    let dialect = match args.dialect {
-        DialectName::Lawicel => Dialect::Lawicel,
-        DialectName::Canable => Dialect::Canable,
-    };
-    let reports = match args.errors {
-        ReportsName::Records => ErrorReports::Records,
-        ReportsName::Flags => ErrorReports::Flags,
-        ReportsName::Silent => ErrorReports::Silent,
-    };
-    let adapter = Adapter::new(node, config, dialect, reports);
+    let adapter = build(args, node, config);
+    let log = args.log.as_deref().map(open_log).transpose()?;
     let pty = Pty::open().context("cannot open a pseudo-terminal")?;
     {
         let mut out = io::stdout().lock();
         writeln!(out, "{}", pty.path().display())?;
         out.flush()?;
     }
-    Server { run, adapter, pty, backlog: Vec::new(), fast: args.fast }.serve()?;
+    let end = args.unplug_after.map_or(run.end(), |after| run.end().min(Time::ZERO + after));
+    let bytes_left = args.unplug_after_bytes.unwrap_or(u64::MAX);
+    let pace = if args.fast { Pace::AsFastAsPossible } else { Pace::RealTime };
+    Server { run, adapter, pty, backlog: Vec::new(), bytes_left, end, pace, log }.serve()?;
     Ok(Outcome::Good)
+}
+
+fn build(args: &SimulateArgs, node: NodeId, config: NodeConfig) -> Adapter {
+    let firmware = match args.firmware {
+        FirmwareName::Lawicel => Firmware::Lawicel,
+        FirmwareName::Canable1 => Firmware::Canable1,
+        FirmwareName::Canable2 => Firmware::Canable2,
+        FirmwareName::Canable2Stock => Firmware::Canable2Stock,
+        FirmwareName::Usbtin => Firmware::Usbtin,
+    };
+    let reports = match args.errors {
+        Some(ReportsName::Records) => ErrorReports::Records,
+        Some(ReportsName::Flags) => ErrorReports::Flags,
+        Some(ReportsName::Silent) => ErrorReports::Silent,
+        None => firmware.error_reports(),
+    };
+    let silent_mode = match args.m1 {
+        SilentModeName::Honoured => SilentMode::Honoured,
+        SilentModeName::Ignored => SilentMode::Ignored,
+    };
+    Adapter::new(node, config, firmware).with_error_reports(reports).with_silent_mode(silent_mode)
+}
+
+fn open_log(path: &Path) -> Result<Box<dyn Write>> {
+    if path == Path::new("-") {
+        return Ok(Box::new(io::stdout()));
+    }
+    let file = File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
+    Ok(Box::new(file))
+}
+
+/// How fast the bus runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pace {
+    RealTime,
+    AsFastAsPossible,
 }
 
 struct Server {
@@ -51,22 +86,29 @@ struct Server {
     adapter: Adapter,
     pty: Pty,
     backlog: Vec<u8>,
-    fast: bool,
+    /// Until the adapter is unplugged.
+    bytes_left: u64,
+    end: Time,
+    pace: Pace,
+    log: Option<Box<dyn Write>>,
 }
 
 impl Server {
+    /// The pseudo-terminal closes at the end, as if the adapter was unplugged.
     fn serve(mut self) -> Result<()> {
         let began = Instant::now();
-        let end = self.run.end();
-        while self.run.sim().now() < end {
-            let until = (self.run.sim().now() + SLICE).min(end);
+        while self.run.sim().now() < self.end && self.bytes_left > 0 {
+            let until = (self.run.sim().now() + SLICE).min(self.end);
             self.advance(until);
             self.exchange()?;
-            if self.fast {
+            if self.pace == Pace::AsFastAsPossible {
                 continue;
             }
             let due = began + Duration::from_nanos(until.femtoseconds() / 1_000_000);
             while let Some(left) = due.checked_duration_since(Instant::now()) {
+                if self.bytes_left == 0 {
+                    break;
+                }
                 if self.pty.wait(left)? {
                     self.exchange()?;
                 } else {
@@ -99,8 +141,22 @@ impl Server {
         } else {
             self.backlog.extend(output);
         }
-        let written = self.pty.write(&self.backlog)?;
+        let most = usize::try_from(self.bytes_left).unwrap_or(usize::MAX);
+        let written = self.pty.write(&self.backlog[..self.backlog.len().min(most)])?;
+        self.bytes_left -= written as u64;
         self.backlog.drain(..written);
+        self.write_log()
+    }
+
+    /// Line by line, for whoever reads along or ends this program.
+    fn write_log(&mut self) -> Result<()> {
+        let entries = self.adapter.take_log();
+        if let Some(log) = &mut self.log {
+            for entry in &entries {
+                writeln!(log, "{entry}").context("cannot write the log")?;
+            }
+            log.flush().context("cannot write the log")?;
+        }
         Ok(())
     }
 }

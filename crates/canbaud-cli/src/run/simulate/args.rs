@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use canbaud::units::Hertz;
+use canbaud_sim::Span;
 use clap::{Args, ValueEnum};
 
 /// Arguments of `canbaud simulate`.
@@ -68,13 +69,29 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "NODE", conflicts_with_all = ["vcd", "sr", "candump", "json"])]
     pub(crate) slcan: Option<String>,
 
-    /// How the adapter tells bus errors
-    #[arg(long, value_name = "HOW", default_value = "records", requires = "slcan")]
-    pub(crate) errors: ErrorReports,
-
-    /// The bit rate of S7: 800k (lawicel) or 750k (canable)
+    /// Whose adapter it is
     #[arg(long, value_name = "WHOSE", default_value = "lawicel", requires = "slcan")]
-    pub(crate) dialect: DialectName,
+    pub(crate) firmware: FirmwareName,
+
+    /// How the adapter tells bus errors [default: as its firmware does]
+    #[arg(long, value_name = "HOW", requires = "slcan")]
+    pub(crate) errors: Option<ErrorReports>,
+
+    /// What comes of M1 in the firmwares of CANable
+    #[arg(long, value_name = "WHAT", default_value = "honoured", requires = "slcan")]
+    pub(crate) m1: SilentMode,
+
+    /// Write every command, and everything that the adapter did to the bus; - is standard output
+    #[arg(long, value_name = "FILE", requires = "slcan")]
+    pub(crate) log: Option<PathBuf>,
+
+    /// Unplug the adapter after so much time of the bus
+    #[arg(long, value_name = "TIME", requires = "slcan")]
+    pub(crate) unplug_after: Option<Span>,
+
+    /// Unplug the adapter when the host was sent so many bytes
+    #[arg(long, value_name = "N", requires = "slcan")]
+    pub(crate) unplug_after_bytes: Option<u64>,
 
     /// Run the bus of the adapter as fast as possible instead of in real time
     #[arg(long, requires = "slcan")]
@@ -92,11 +109,26 @@ pub(crate) enum ErrorReports {
     Silent,
 }
 
-/// Whose slcan commands.
+/// Whose slcan adapter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum DialectName {
-    /// S7 is 800 kbit/s
+pub(crate) enum FirmwareName {
+    /// CAN232 and CANUSB
     Lawicel,
-    /// S7 is 750 kbit/s, S9 is 83.333 kbit/s
-    Canable,
+    /// What CANable 1.x comes with: no answers, no L, silent by M1
+    Canable1,
+    /// Nakakiyo092/canable2-fw: answers, L, CAN FD
+    Canable2,
+    /// What CANable 2.0 comes with: no answers, no L, silent by M1, CAN FD
+    Canable2Stock,
+    /// USBtin
+    Usbtin,
+}
+
+/// What comes of M1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SilentMode {
+    /// The channel opens listen-only, as the README of the firmware says
+    Honoured,
+    /// O opens in normal mode all the same, as the source of the firmware does
+    Ignored,
 }

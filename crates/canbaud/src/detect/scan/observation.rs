@@ -44,13 +44,16 @@ pub enum ErrorClass {
 /// Where in a frame an error was, as far as it matters to a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ErrorPlace {
-    /// Before or in the CRC sequence.
+    /// SOF, identifier, RTR: where the controller tells this apart.
+    Arbitration,
+    /// From SOF to the CRC sequence, or behind [`Self::Arbitration`] where that is told apart.
     BeforeCrcEnd,
     /// The CRC delimiter, with the CRC sequence read.
     CrcDelimiter,
     /// The ACK slot.
     AckSlot,
-    /// The ACK delimiter: the CRC was right by then.
+    /// The ACK delimiter: all that precedes it had the right form. With [`ErrorClass::Crc`] the CRC
+    /// was wrong; else a dominant level stands there, as behind a frame that nobody acknowledges.
     AckDelimiter,
     /// End of frame.
     EndOfFrame,
@@ -79,7 +82,8 @@ pub enum Observation {
     Frame(FrameSeen),
     /// A protocol error.
     Error(ErrorSeen),
-    /// The receive error counter, where the controller counts but does not report errors.
+    /// The receive error counter, where the controller counts but does not report errors: read
+    /// once when listening begins, and again from time to time.
     ReceiveErrors(u16),
     /// Edges on the line since the last such observation, where the controller counts them.
     Edges(u32),

@@ -1,0 +1,1 @@
+//! What the source documents describe, and what canbaud makes of it.

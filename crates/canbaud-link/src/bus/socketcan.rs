@@ -1,0 +1,110 @@
+//! An interface that takes part in the traffic.
+
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+use canbaud::units::Bitrate;
+use canbaud::wire::Frame;
+use socketcan::CanSocket;
+
+use super::FrameBus;
+use crate::LinkError;
+use crate::socketcan::netlink::{Change, Link, LinkChange, TimingInfo};
+use crate::socketcan::{Raw, Rtnl, encode, raw};
+
+/// How long a full queue of the interface may take to get a place.
+const QUEUE_FULL: Duration = Duration::from_millis(500);
+const ENOBUFS: i32 = 105;
+
+/// An open interface of Linux that sends and receives.
+#[derive(Debug)]
+pub struct SocketCanBus {
+    socket: CanSocket,
+    link: Link,
+    rtnl: Rtnl,
+}
+
+impl SocketCanBus {
+    /// Opens the interface `name`, which somebody has set up.
+    ///
+    /// # Errors
+    /// There is no such interface, it is down, or the system says no.
+    pub fn open(name: &str) -> Result<Self, LinkError> {
+        let mut rtnl = Rtnl::open()?;
+        let link = rtnl.link(name)?;
+        if !link.is_can() {
+            return Err(LinkError::NotCan { name: name.to_owned() });
+        }
+        if !link.flags.is_up() {
+            let what = "the interface is down: set it up first (ip link set ... up)";
+            return Err(LinkError::State { adapter: name.to_owned(), what });
+        }
+        let socket = raw::open(name, link.index)?;
+        // Its own frames would be taken for answers.
+        socketcan::SocketOptions::set_recv_own_msgs(&socket, false)
+            .map_err(|error| LinkError::io(format!("cannot open {name}"), error))?;
+        Ok(Self { socket, link, rtnl })
+    }
+
+    fn is_virtual(&self) -> bool {
+        self.link.can.is_none()
+    }
+}
+
+impl FrameBus for SocketCanBus {
+    fn send(&mut self, frame: &Frame) -> Result<(), LinkError> {
+        let bytes = encode(frame);
+        let until = Instant::now() + QUEUE_FULL;
+        loop {
+            match self.socket.write(&bytes) {
+                Ok(_) => return Ok(()),
+                Err(error) if is_full(&error) && Instant::now() < until => {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                Err(error) => {
+                    return Err(LinkError::io(format!("cannot send on {}", self.link.name), error));
+                }
+            }
+        }
+    }
+
+    fn receive(&mut self, timeout: Duration) -> Result<Option<Frame>, LinkError> {
+        let until = Instant::now() + timeout;
+        let broken = |error| LinkError::io(format!("cannot read from {}", self.link.name), error);
+        loop {
+            match raw::receive(&self.socket).map_err(broken)? {
+                // Frames of other programs on this machine count: on vcan there are no others.
+                Some(heard) => {
+                    if let Raw::Frame(frame) = heard.raw {
+                        return Ok(Some(frame));
+                    }
+                }
+                None => {
+                    let Some(left) = until.checked_duration_since(Instant::now()) else {
+                        return Ok(None);
+                    };
+                    raw::wait(&self.socket, left).map_err(broken)?;
+                }
+            }
+        }
+    }
+
+    fn set_bitrate(&mut self, bitrate: Bitrate) -> Result<(), LinkError> {
+        if self.is_virtual() {
+            return Ok(());
+        }
+        let timing = TimingInfo { bitrate: bitrate.bits_per_second(), ..TimingInfo::default() };
+        let set = LinkChange { timing: Some(timing), ..LinkChange::default() };
+        self.rtnl.change(&self.link, &LinkChange::only(Change::Down))?;
+        let result = self.rtnl.change(&self.link, &set);
+        // Up again in any case: the interface was up.
+        self.rtnl.change(&self.link, &LinkChange::only(Change::Up))?;
+        result?;
+        self.socket = raw::open(&self.link.name, self.link.index)?;
+        Ok(())
+    }
+}
+
+fn is_full(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::WouldBlock || error.raw_os_error() == Some(ENOBUFS)
+}

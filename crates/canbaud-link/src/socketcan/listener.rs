@@ -1,0 +1,426 @@
+//! An interface as a controller that only listens.
+
+use std::io;
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+use canbaud::detect::scan::{
+    Candidate, Capabilities, Capture, Configured, Controller, Evidence, FrameSeen, Observation,
+    Origin, RateChoice,
+};
+use canbaud::units::{Bitrate, Micros};
+use canbaud::wire::{Frame, Id};
+
+use super::error_frame;
+use super::frame::Raw;
+use super::netlink::{CanInfo, Change, Link, LinkChange, TimingConst, TimingInfo, ctrlmode};
+use super::raw::{RawSocket, Reception};
+use super::restore::Saved;
+use super::rtnl::Rtnl;
+use super::setup::{Device, Profile};
+use crate::{Clock, LinkError, Listener};
+
+/// Changing the rate takes 3 to 21 ms with the adapters that were measured; USB may wait.
+const RECONFIGURATION: Micros = Micros::from_ms(300);
+/// From the adapter through USB and the kernel to here, on a loaded machine.
+const LATENCY: Micros = Micros::from_ms(50);
+/// How often error counters are asked for.
+const POLL: Micros = Micros::from_ms(10);
+/// Things heard at once that say nothing about the rate.
+const BURST: usize = 64;
+/// The driver of PEAK USB adapters, which loses the mark of its error frames.
+const PEAK_USB: &str = "peak_usb";
+/// What is left of such a frame: `CAN_ERR_CNT` as an identifier.
+const PEAK_COUNTERS: u16 = 0x200;
+
+/// How to leave the interface behind a successful scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum After {
+    /// At the found rate, listening.
+    Listening,
+    /// At the found rate, taking part in the traffic.
+    Normal,
+}
+
+/// An interface that only listens; put back as it was found when it goes out of use.
+#[derive(Debug)]
+pub struct SocketCanListener {
+    rtnl: Rtnl,
+    link: Link,
+    profile: Profile,
+    saved: Saved,
+    clock: Clock,
+    touched: bool,
+    configured: Option<Setting>,
+    socket: Option<RawSocket>,
+    counter: Counter,
+}
+
+/// What the interface was set to, as read back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Setting {
+    nominal: TimingInfo,
+    data: Option<TimingInfo>,
+}
+
+/// The receive error counter, for drivers that report no errors.
+#[derive(Debug, Default)]
+struct Counter {
+    due: Micros,
+    last: Option<u16>,
+}
+
+impl SocketCanListener {
+    /// Prepares to listen on the interface `name`; changes nothing yet.
+    ///
+    /// # Errors
+    /// There is no such interface, or it cannot listen without disturbing the bus.
+    pub fn open(name: &str, clock: Clock) -> Result<Self, LinkError> {
+        let mut rtnl = Rtnl::open()?;
+        let link = rtnl.link(name)?;
+        let device = Device::read(Path::new("/sys"), &link);
+        let profile = Profile::of(&link, &device)?;
+        let saved = Saved::of(&link);
+        Ok(Self {
+            rtnl,
+            link,
+            profile,
+            saved,
+            clock,
+            touched: false,
+            configured: None,
+            socket: None,
+            counter: Counter::default(),
+        })
+    }
+
+    /// The kernel's driver, if it is known.
+    #[must_use]
+    pub fn driver(&self) -> Option<&str> {
+        self.profile.driver.as_deref()
+    }
+
+    /// Sets `candidate` for good, instead of what was found, and sets the interface up.
+    ///
+    /// # Errors
+    /// What could not be set; the interface is put back later then.
+    pub fn keep(&mut self, candidate: &Candidate, after: After) -> Result<(), LinkError> {
+        Controller::configure(self, candidate)?;
+        let can = self.read_back()?.can.unwrap_or_default();
+        // What the scan switched for itself goes back; the mode is as the user asked.
+        let mut own = ctrlmode::BERR_REPORTING;
+        let mut values = can.ctrlmode & !TDC;
+        if after == After::Normal {
+            own |= ctrlmode::LOOPBACK | ctrlmode::PRESUME_ACK;
+            values &= !ctrlmode::LISTEN_ONLY;
+        }
+        values = values & !own | self.saved.ctrlmode() & own;
+        let mask = (can.ctrlmode | values) & !TDC;
+        self.change(&LinkChange { ctrlmode: Some((mask, values)), ..LinkChange::default() })?;
+        self.change(&LinkChange::only(Change::Up))?;
+        self.touched = false;
+        Ok(())
+    }
+
+    fn change(&mut self, change: &LinkChange) -> Result<(), LinkError> {
+        self.rtnl.change(&self.link, change)
+    }
+
+    fn read_back(&mut self) -> Result<Link, LinkError> {
+        self.rtnl.read_back(&self.link.name, self.link.index)
+    }
+
+    /// Down, before anything else is changed.
+    fn set_down(&mut self) -> Result<(), LinkError> {
+        self.socket = None;
+        let result = self.change(&LinkChange::only(Change::Down));
+        // Without the permission nothing was changed.
+        if !matches!(result, Err(LinkError::Permission { .. })) {
+            self.touched = true;
+        }
+        result
+    }
+
+    /// Sets rates and mode; what the kernel took is read back, whatever it answered.
+    fn set(&mut self, change: &LinkChange) -> Result<Setting, LinkError> {
+        let result = self.change(change);
+        let link = self.read_back()?;
+        result?;
+        self.setting_of(&link)
+    }
+
+    fn not_taken(&self, what: impl Into<String>, got: impl Into<String>) -> LinkError {
+        let adapter = self.link.name.clone();
+        LinkError::NotTaken { adapter, what: what.into(), got: got.into() }
+    }
+
+    fn setting_of(&self, link: &Link) -> Result<Setting, LinkError> {
+        let can = link.can.clone().unwrap_or_default();
+        if can.ctrlmode & ctrlmode::LISTEN_ONLY == 0 {
+            return Err(self.not_taken("listen-only", format!("control mode {:#x}", can.ctrlmode)));
+        }
+        let fd = can.ctrlmode & ctrlmode::FD != 0;
+        match can.set_timing() {
+            Some(nominal) => Ok(Setting { nominal, data: can.set_data_timing().filter(|_| fd) }),
+            None => Err(self.not_taken("a bit rate", "none")),
+        }
+    }
+
+    /// Mask and values of the control mode for a scan.
+    fn mode(&self, can: &CanInfo, data: Option<Bitrate>) -> (u32, u32) {
+        let mut values = can.ctrlmode & !TDC & !NOT_WHILE_LISTENING | ctrlmode::LISTEN_ONLY;
+        if self.profile.berr_reporting {
+            values |= ctrlmode::BERR_REPORTING;
+        }
+        if data.is_some() {
+            values |= ctrlmode::FD;
+        }
+        // Bits that stay set are named, too: drivers with fixed ones insist on it.
+        ((can.ctrlmode | values) & !TDC, values)
+    }
+
+    /// Moves the sample point to the middle and takes the largest SJW.
+    fn widen(&mut self, setting: Setting, limits: &TimingConst) -> Result<Setting, LinkError> {
+        let Some(nominal) = wide(setting.nominal, limits) else { return Ok(setting) };
+        let change = LinkChange { timing: Some(nominal), ..LinkChange::default() };
+        self.set(&change)
+    }
+
+    fn observation(&mut self, heard: Reception, now: Micros) -> Option<Observation> {
+        let received = heard.stamp.and_then(|at| Clock::at(now, SystemTime::now(), at));
+        match heard.raw {
+            Raw::Error { class, data } => error_frame::observe(class, data, received),
+            Raw::Frame(frame) if self.is_peak_counters(&frame) => {
+                Some(Observation::ReceiveErrors(frame.data().get(7).copied().unwrap_or(0).into()))
+            }
+            Raw::Frame(frame) => {
+                let origin = if heard.local { Origin::Local } else { Origin::Bus };
+                Some(Observation::Frame(FrameSeen { frame, origin, received }))
+            }
+        }
+    }
+
+    /// A state change that the PEAK driver passes on as if it were a data frame.
+    fn is_peak_counters(&self, frame: &Frame) -> bool {
+        let zero = |range: core::ops::Range<usize>| {
+            frame.data().get(range).is_some_and(|bytes| bytes.iter().all(|byte| *byte == 0))
+        };
+        self.driver() == Some(PEAK_USB)
+            && frame.id() == Id::Base(PEAK_COUNTERS)
+            && frame.data().len() == 8
+            && zero(0..1)
+            && zero(2..6)
+    }
+
+    fn poll_counter(&mut self, now: Micros) -> Result<Option<Observation>, LinkError> {
+        if self.profile.evidence != Evidence::Counter || now < self.counter.due {
+            return Ok(None);
+        }
+        self.counter.due = now + POLL;
+        let link = self.read_back()?;
+        let count = link.can.and_then(|can| can.counters).map(|counters| counters.receive);
+        if count == self.counter.last {
+            return Ok(None);
+        }
+        self.counter.last = count;
+        Ok(count.map(Observation::ReceiveErrors))
+    }
+
+    /// Why the socket does not work any more.
+    fn broken(&mut self, error: io::Error) -> LinkError {
+        match self.read_back() {
+            Ok(link) if !link.flags.is_up() => LinkError::State {
+                adapter: self.link.name.clone(),
+                what: "somebody else set the interface down during the scan",
+            },
+            Ok(_) => LinkError::io(format!("cannot read from {}", self.link.name), error),
+            Err(error) => error,
+        }
+    }
+
+    fn state(&self, what: &'static str) -> LinkError {
+        LinkError::State { adapter: self.link.name.clone(), what }
+    }
+}
+
+const TDC: u32 = ctrlmode::TDC_AUTO | ctrlmode::TDC_MANUAL;
+/// Own frames are not heard, and nothing is acknowledged by anybody else's leave; FD as wanted.
+const NOT_WHILE_LISTENING: u32 = ctrlmode::LOOPBACK | ctrlmode::PRESUME_ACK | ctrlmode::FD;
+
+/// A bit rate that the kernel makes a bit timing for.
+fn rate_alone(rate: Bitrate) -> TimingInfo {
+    TimingInfo { bitrate: rate.bits_per_second(), ..TimingInfo::default() }
+}
+
+/// The same rate with the sample point near the middle and the largest SJW; `None` if the limits
+/// do not allow it.
+fn wide(timing: TimingInfo, limits: &TimingConst) -> Option<TimingInfo> {
+    let quanta = timing.quanta();
+    let longest = limits.tseg2.1.min((quanta - 1) / 2);
+    let tseg2 = longest.max((quanta - 1).checked_sub(limits.tseg1.1)?);
+    let tseg1 = (quanta - 1).checked_sub(tseg2)?;
+    let fits = (limits.tseg1.0..=limits.tseg1.1).contains(&tseg1)
+        && (limits.tseg2.0..=limits.tseg2.1).contains(&tseg2);
+    // At least one TQ for PROP_SEG.
+    let phase_seg1 = tseg2.min(tseg1.checked_sub(1)?);
+    fits.then_some(TimingInfo {
+        bitrate: 0,
+        sample_point: 0,
+        tq: timing.tq,
+        prop_seg: tseg1 - phase_seg1,
+        phase_seg1,
+        phase_seg2: tseg2,
+        sjw: limits.sjw_max.min(phase_seg1).min(tseg2),
+        brp: 0,
+    })
+}
+
+impl Controller for SocketCanListener {
+    type Error = LinkError;
+
+    fn capabilities(&self) -> Capabilities<'_> {
+        let (slowest, fastest) = self.profile.range;
+        let rates = match self.profile.rates.as_slice() {
+            [] => RateChoice::Between(slowest, fastest),
+            only => RateChoice::Only(only),
+        };
+        Capabilities {
+            rates,
+            evidence: self.profile.evidence,
+            fd: self.profile.fd,
+            reconfiguration: RECONFIGURATION,
+            latency: LATENCY,
+        }
+    }
+
+    fn configure(&mut self, candidate: &Candidate) -> Result<Configured, LinkError> {
+        self.configured = None;
+        self.set_down()?;
+        let can = self.read_back()?.can.unwrap_or_default();
+        let change = LinkChange {
+            timing: Some(rate_alone(candidate.nominal)),
+            data_timing: candidate.data.map(rate_alone),
+            ctrlmode: Some(self.mode(&can, candidate.data)),
+            ..LinkChange::default()
+        };
+        let mut setting = self.set(&change)?;
+        if let (Capture::Wide, Some(limits)) = (candidate.capture, &can.timing_const) {
+            setting = self.widen(setting, limits)?;
+        }
+        self.configured = Some(setting);
+        let rate = |timing: TimingInfo| Bitrate::new(timing.bitrate);
+        match rate(setting.nominal) {
+            Some(nominal) => Ok(Configured { nominal, data: setting.data.and_then(rate) }),
+            None => Err(self.not_taken("a bit rate", "none")),
+        }
+    }
+
+    fn start_monitoring(&mut self) -> Result<(), LinkError> {
+        let Some(setting) = self.configured else {
+            return Err(self.state("it listens only behind being configured"));
+        };
+        // Whoever else changes the interface must not make it take part in the traffic.
+        let before = self.read_back()?;
+        if before.flags.is_up() || self.setting_of(&before)? != setting {
+            return Err(self.state("somebody else changed the interface during the scan"));
+        }
+        self.change(&LinkChange::only(Change::Up))?;
+        let after = self.read_back()?;
+        if self.setting_of(&after)? != setting || !after.flags.is_up() {
+            self.set_down()?;
+            return Err(self.state("somebody else changed the interface during the scan"));
+        }
+        self.socket = Some(RawSocket::open(&self.link.name, self.link.index)?);
+        self.counter = Counter { due: self.clock.now(), last: None };
+        Ok(())
+    }
+
+    fn observe(&mut self, now: Micros) -> Result<Option<Observation>, LinkError> {
+        // Frames that say nothing must not keep the scan from its clock.
+        for _ in 0..BURST {
+            let Some(socket) = &self.socket else {
+                return Err(self.state("it hears only while it listens"));
+            };
+            match socket.receive() {
+                Ok(Some(heard)) => {
+                    if let Some(observation) = self.observation(heard, now) {
+                        return Ok(Some(observation));
+                    }
+                }
+                Ok(None) => return self.poll_counter(now),
+                Err(error) => return Err(self.broken(error)),
+            }
+        }
+        Ok(None)
+    }
+
+    fn stop(&mut self) -> Result<(), LinkError> {
+        self.configured = None;
+        self.set_down()
+    }
+}
+
+impl Listener for SocketCanListener {
+    fn wait(&mut self, timeout: Duration) -> Result<(), LinkError> {
+        let timeout = match self.profile.evidence {
+            Evidence::Counter => timeout.min(Duration::from_micros(POLL.0)),
+            Evidence::Errors | Evidence::FramesOnly => timeout,
+        };
+        match &self.socket {
+            Some(socket) => socket.wait(timeout).map_err(|error| self.broken(error)),
+            None => {
+                std::thread::sleep(timeout);
+                Ok(())
+            }
+        }
+    }
+
+    fn describe(&self) -> String {
+        match self.driver() {
+            Some(driver) => format!("{} ({driver})", self.link.name),
+            None => self.link.name.clone(),
+        }
+    }
+
+    fn remarks(&self) -> Vec<String> {
+        let name = &self.link.name;
+        let mut remarks = Vec::new();
+        if self.saved.was_up() {
+            let rate = self.saved.bitrate().and_then(Bitrate::new);
+            let rate = rate.map_or_else(String::new, |rate| format!(" at {rate}bit/s"));
+            remarks.push(format!(
+                "{name} was up{rate}: it is taken down for the scan, programs that use it notice, \
+                 and it is put back afterwards"
+            ));
+        }
+        if self.saved.bitrate().is_none() && self.saved.ctrlmode() & ctrlmode::LISTEN_ONLY == 0 {
+            remarks.push(format!(
+                "{name} had no bit rate: Linux cannot take one away again, so the last one tried \
+                 stays set, with the interface down"
+            ));
+        }
+        remarks
+    }
+
+    fn restore(&mut self) -> Result<(), LinkError> {
+        self.socket = None;
+        self.configured = None;
+        if !self.touched {
+            return Ok(());
+        }
+        // Whatever comes of it: a second attempt would go the same way.
+        self.touched = false;
+        let now = self.read_back()?;
+        self.saved.clone().restore(&mut self.rtnl, &now)
+    }
+}
+
+impl Drop for SocketCanListener {
+    fn drop(&mut self) {
+        // On a way out that already has something else to say.
+        let _ = self.restore();
+    }
+}
+
+#[cfg(test)]
+mod tests;

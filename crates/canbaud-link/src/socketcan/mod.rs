@@ -1,0 +1,20 @@
+//! Interfaces of Linux.
+//!
+//! | part | what it is |
+//! |---|---|
+//! | [`netlink`] | rtnetlink as bytes: what an interface is and can, and how to set it up |
+//! | [`SocketCanListener`] | an interface as a controller that only listens |
+
+mod error_frame;
+mod frame;
+mod listener;
+pub mod netlink;
+pub(crate) mod raw;
+mod restore;
+mod rtnl;
+mod setup;
+
+pub use listener::{After, SocketCanListener};
+pub use rtnl::Rtnl;
+
+pub(crate) use frame::{Raw, encode};

@@ -1,0 +1,147 @@
+//! An interface as it was found, and back to it.
+
+use super::netlink::{CanInfo, Change, Link, LinkChange, TdcInfo, TimingInfo, ctrlmode};
+use super::rtnl::Rtnl;
+use crate::LinkError;
+
+const TDC: u32 = ctrlmode::TDC_AUTO | ctrlmode::TDC_MANUAL;
+
+/// The state of an interface, as far as a scan changes it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Saved {
+    up: bool,
+    ctrlmode: u32,
+    timing: Option<TimingInfo>,
+    data_timing: Option<TimingInfo>,
+    tdc: Option<TdcInfo>,
+}
+
+impl Saved {
+    pub(super) fn of(link: &Link) -> Self {
+        let none = CanInfo::default();
+        let can = link.can.as_ref().unwrap_or(&none);
+        let fd = can.ctrlmode & ctrlmode::FD != 0;
+        Self {
+            up: link.flags.is_up(),
+            ctrlmode: can.ctrlmode,
+            timing: can.set_timing(),
+            data_timing: can.set_data_timing().filter(|_| fd),
+            tdc: can.tdc.filter(|_| fd && can.ctrlmode & TDC != 0),
+        }
+    }
+
+    pub(super) const fn was_up(&self) -> bool {
+        self.up
+    }
+
+    pub(super) const fn bitrate(&self) -> Option<u32> {
+        match self.timing {
+            Some(timing) => Some(timing.bitrate),
+            None => None,
+        }
+    }
+
+    pub(super) const fn ctrlmode(&self) -> u32 {
+        self.ctrlmode
+    }
+
+    /// Puts the interface `now` back, and checks that it is.
+    pub(super) fn restore(&self, rtnl: &mut Rtnl, now: &Link) -> Result<(), LinkError> {
+        if now.flags.is_up() {
+            rtnl.change(now, &LinkChange::only(Change::Down))?;
+        }
+        let fixed = now.can.as_ref().is_some_and(|can| can.timing_const.is_none());
+        let exact = if fixed { Form::Bitrate } else { Form::Segments };
+        let mut tried = rtnl.change(now, &self.change(now, exact));
+        let mut reached = rtnl.read_back(&now.name, now.index)?;
+        if self.difference(&reached).is_some() && exact != Form::Bitrate {
+            // The kernel computes the prescaler from a rounded TQ: the rate as a second way.
+            tried = rtnl.change(&reached, &self.change(&reached, Form::Bitrate));
+            reached = rtnl.read_back(&now.name, now.index)?;
+        }
+        let complaint = match (self.difference(&reached), tried) {
+            (None, _) => None,
+            (Some(difference), Ok(())) => Some(difference),
+            (Some(_), Err(error)) => Some(error.to_string()),
+        };
+        // Up only in the right mode: a wrong rate in normal mode would disturb the bus.
+        if let Some(reason) = complaint {
+            return Err(LinkError::NotRestored { adapter: now.name.clone(), reason });
+        }
+        if self.up {
+            rtnl.change(&reached, &LinkChange::only(Change::Up))?;
+        }
+        Ok(())
+    }
+
+    fn change(&self, now: &Link, form: Form) -> LinkChange {
+        let current = now.can.as_ref().map_or(0, |can| can.ctrlmode);
+        // Bits that stay set are named, too: drivers with fixed ones insist on it.
+        let mut mask = (current | self.ctrlmode) & !TDC;
+        if self.tdc.is_some() {
+            mask |= self.ctrlmode & TDC;
+        }
+        let timing = |timing: Option<TimingInfo>| timing.map(|timing| form.of(timing));
+        LinkChange {
+            timing: timing(self.timing),
+            data_timing: timing(self.data_timing),
+            ctrlmode: Some((mask, self.ctrlmode & mask)),
+            tdc: self.tdc.map(|tdc| self.given(tdc)),
+            ..LinkChange::default()
+        }
+    }
+
+    /// The kernel takes a delay only where it is set by hand.
+    const fn given(&self, tdc: TdcInfo) -> TdcInfo {
+        let manual = self.ctrlmode & ctrlmode::TDC_MANUAL != 0;
+        TdcInfo { tdcv: if manual { tdc.tdcv } else { None }, ..tdc }
+    }
+
+    /// What of the state `link` does not have; a bit rate that was never set cannot be taken away.
+    fn difference(&self, link: &Link) -> Option<String> {
+        let can = link.can.as_ref()?;
+        if can.ctrlmode != self.ctrlmode {
+            let (is, was) = (can.ctrlmode, self.ctrlmode);
+            return Some(format!("its control mode is {is:#x}, it was {was:#x}"));
+        }
+        let pairs = [(self.timing, can.timing), (self.data_timing, can.data_timing)];
+        let rate = pairs.into_iter().find_map(|(was, is)| {
+            let was = was?;
+            let is = is.unwrap_or_default();
+            (is.bitrate != was.bitrate).then(|| {
+                format!("its bit rate is {} bit/s, it was {} bit/s", is.bitrate, was.bitrate)
+            })
+        });
+        rate
+    }
+}
+
+/// How to say a bit timing to the kernel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    /// Rate and sample point; the kernel computes the segments.
+    Bitrate,
+    /// TQ and segments.
+    Segments,
+}
+
+impl Form {
+    const fn of(self, timing: TimingInfo) -> TimingInfo {
+        match self {
+            Self::Bitrate => TimingInfo {
+                bitrate: timing.bitrate,
+                sample_point: timing.sample_point,
+                tq: 0,
+                prop_seg: 0,
+                phase_seg1: 0,
+                phase_seg2: 0,
+                sjw: 0,
+                brp: 0,
+            },
+            Self::Segments => TimingInfo { bitrate: 0, sample_point: 0, brp: 0, ..timing },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

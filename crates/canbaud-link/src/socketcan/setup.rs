@@ -1,0 +1,165 @@
+//! What an interface can be used for, before anything is changed.
+
+use std::fs;
+use std::path::Path;
+
+use canbaud::detect::scan::{Evidence, FdSupport};
+use canbaud::units::Bitrate;
+
+use super::netlink::{CanInfo, Link, ctrlmode};
+use crate::LinkError;
+use crate::adapters::{ListenOnly, WrongRate, known};
+
+/// The bit rates of the kernel's slcan driver, which names itself nowhere.
+const SLCAN: [u32; 9] =
+    [10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000];
+/// Nominal bit rates end here [ISO 11898-1].
+const NOMINAL_MAX: u32 = 1_000_000;
+const ONE: Bitrate = Bitrate::new(1).unwrap();
+/// PCAN-USB: its driver switches silent mode only on hardware revisions above 3.
+const PCAN_USB: u16 = 0x000C;
+const PCAN_USB_SILENT_FROM: u16 = 4;
+
+/// What sysfs tells of the device behind an interface.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Device {
+    /// The kernel's driver.
+    pub(crate) driver: Option<String>,
+    /// Product number and release of a USB device.
+    pub(crate) usb: Option<(u16, u16)>,
+}
+
+impl Device {
+    /// Reads it below `sys`, which is `/sys` but for tests.
+    pub(crate) fn read(sys: &Path, link: &Link) -> Self {
+        let device = sys.join("class/net").join(&link.name).join("device");
+        let driver = fs::read_link(device.join("driver"))
+            .ok()
+            .and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
+        let hex = |name| {
+            let text = fs::read_to_string(device.join("..").join(name)).ok()?;
+            u16::from_str_radix(text.trim(), 16).ok()
+        };
+        let usb = hex("idProduct").zip(hex("bcdDevice"));
+        Self { driver: driver.or_else(|| by_rates(link)), usb }
+    }
+
+    /// The hardware revision of a PCAN-USB, as its driver reads it.
+    const fn pcan_usb_revision(&self) -> Option<u16> {
+        match self.usb {
+            Some((PCAN_USB, release)) => Some(release >> 8),
+            _ => None,
+        }
+    }
+}
+
+/// The driver, where only its rates tell.
+fn by_rates(link: &Link) -> Option<String> {
+    let can = link.can.as_ref()?;
+    (can.bitrates == SLCAN && can.timing_const.is_none()).then(|| "slcan".to_owned())
+}
+
+/// What an interface can be used for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Profile {
+    /// The kernel's driver, if it is known.
+    pub(crate) driver: Option<String>,
+    /// The only rates, if not empty.
+    pub(crate) rates: Vec<Bitrate>,
+    /// Slowest and fastest.
+    pub(crate) range: (Bitrate, Bitrate),
+    pub(crate) evidence: Evidence,
+    pub(crate) fd: FdSupport,
+    /// Whether error frames are to be asked for.
+    pub(crate) berr_reporting: bool,
+}
+
+impl Profile {
+    /// What `link` can be used for.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub(crate) fn of(link: &Link, device: &Device) -> Result<Self, LinkError> {
+        let can = usable(link)?;
+        may_listen(link, can, device)?;
+        let berr_reporting = can.supports(ctrlmode::BERR_REPORTING) == Some(true);
+        let rates = can.bitrates.iter().filter_map(|rate| Bitrate::new(*rate)).collect();
+        let fd = match can.supports(ctrlmode::FD) {
+            Some(true) => FdSupport::Fd,
+            Some(false) | None => FdSupport::Classic,
+        };
+        Ok(Self {
+            driver: device.driver.clone(),
+            rates,
+            range: range(can),
+            evidence: evidence(can, device, berr_reporting),
+            fd,
+            berr_reporting,
+        })
+    }
+}
+
+fn usable(link: &Link) -> Result<&CanInfo, LinkError> {
+    let name = link.name.clone();
+    match (link.is_can(), link.kind.as_deref(), &link.can) {
+        (false, ..) => Err(LinkError::NotCan { name }),
+        (true, Some("vcan" | "vxcan"), _) => Err(LinkError::Virtual { name }),
+        (true, _, Some(can)) if can.timing_const.is_some() || !can.bitrates.is_empty() => Ok(can),
+        (true, ..) => Err(LinkError::NoListenOnly {
+            adapter: name,
+            reason: "its driver takes neither bit rate nor control mode from the kernel".to_owned(),
+        }),
+    }
+}
+
+fn may_listen(link: &Link, can: &CanInfo, device: &Device) -> Result<(), LinkError> {
+    let driver = device.driver.as_deref().unwrap_or("unknown");
+    let refuse =
+        |reason: String| Err(LinkError::NoListenOnly { adapter: link.name.clone(), reason });
+    let known_not = known(driver).is_some_and(|known| known.listen_only == ListenOnly::No);
+    match can.supports(ctrlmode::LISTEN_ONLY) {
+        Some(false) => return refuse(format!("its driver ({driver}) has no listen-only mode")),
+        None if known_not => return refuse(format!("the driver {driver} has no listen-only mode")),
+        Some(true) | None => {}
+    }
+    match device.pcan_usb_revision() {
+        Some(revision) if revision < PCAN_USB_SILENT_FROM => refuse(format!(
+            "PCAN-USB of hardware revision {revision} has no silent mode, although its driver \
+             offers one; revision {PCAN_USB_SILENT_FROM} and later have it"
+        )),
+        None if driver == "peak_usb" && device.usb.is_none() => {
+            refuse("the hardware revision of this PEAK adapter cannot be read".to_owned())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn evidence(can: &CanInfo, device: &Device, berr_reporting: bool) -> Evidence {
+    let known = device.driver.as_deref().and_then(known).map(|known| known.wrong_rate);
+    match known {
+        Some(WrongRate::ErrorFrames) => Evidence::Errors,
+        Some(WrongRate::Counter) if can.counters.is_some() => Evidence::Counter,
+        Some(WrongRate::Silence) => Evidence::FramesOnly,
+        _ if berr_reporting => Evidence::Errors,
+        None if can.counters.is_some() => Evidence::Counter,
+        _ => Evidence::FramesOnly,
+    }
+}
+
+/// Slowest and fastest nominal rate that clock and limits make.
+fn range(can: &CanInfo) -> (Bitrate, Bitrate) {
+    let fastest = match can.bitrate_max {
+        0 => NOMINAL_MAX,
+        max => max.min(NOMINAL_MAX),
+    };
+    let slowest = can.clock.zip(can.timing_const.as_ref()).and_then(|(clock, limits)| {
+        let quanta = u64::from(limits.tseg1.1) + u64::from(limits.tseg2.1) + 1;
+        let clocks = quanta.checked_mul(u64::from(limits.brp.1)).filter(|clocks| *clocks > 0)?;
+        u32::try_from(u64::from(clock).div_ceil(clocks)).ok()
+    });
+    let slowest = slowest.unwrap_or(1).min(fastest);
+    (Bitrate::new(slowest).unwrap_or(ONE), Bitrate::new(fastest).unwrap_or(ONE))
+}
+
+#[cfg(test)]
+mod tests;

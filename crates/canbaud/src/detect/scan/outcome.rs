@@ -1,0 +1,90 @@
+//! What a scan says in the end.
+
+use super::{Candidate, Configured};
+use crate::units::{Bitrate, Micros};
+
+/// Whether somebody acknowledges the frames.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Acknowledgement {
+    /// Nothing speaks against it; a controller that only listens cannot see more.
+    Presumed,
+    /// Frames were destroyed at the ACK delimiter, as a lone sender does.
+    Missing,
+}
+
+/// What is known about CAN FD on the bus.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum FdSeen {
+    /// No CAN FD frame was received.
+    No,
+    /// CAN FD frames without a bit rate switch: the data rate is unknown.
+    NeverSwitched,
+    /// CAN FD frames with a bit rate switch: the data rate is [`Found::configured`]'s.
+    Switched,
+    /// The controller receives classic frames only, and besides good ones there are frames that it
+    /// cannot read behind the arbitration field: CAN FD frames look like this to it.
+    Suspected,
+}
+
+/// A rate that was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Found {
+    /// The candidate.
+    pub candidate: Candidate,
+    /// What the controller was really set to.
+    pub configured: Configured,
+    /// Frames received at this rate.
+    pub frames: u32,
+    /// How many of them differ, counted up to 2.
+    pub distinct: u8,
+    /// Bursts of protocol errors met at this rate.
+    pub errors: u32,
+    /// From the first poll of the scan to the verdict.
+    pub elapsed: Micros,
+    /// Candidates listened to, this one included; one that was listened to twice counts twice.
+    pub visits: u32,
+    /// Whether somebody acknowledges.
+    pub acknowledgement: Acknowledgement,
+    /// CAN FD.
+    pub fd: FdSeen,
+}
+
+impl Found {
+    /// The nominal bit rate.
+    #[must_use]
+    pub const fn nominal(&self) -> Bitrate {
+        self.configured.nominal
+    }
+
+    /// The data bit rate, if frames that switch to it were received.
+    #[must_use]
+    pub const fn data(&self) -> Option<Bitrate> {
+        match self.fd {
+            FdSeen::Switched => self.configured.data,
+            FdSeen::No | FdSeen::NeverSwitched | FdSeen::Suspected => None,
+        }
+    }
+}
+
+/// Why no candidate fits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Misfit {
+    /// The candidate at which a classic-only controller read every frame past the arbitration
+    /// field and none to its end: perhaps the rate of a CAN FD bus.
+    pub perhaps_fd: Option<Candidate>,
+}
+
+/// What a scan says in the end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// This is the rate.
+    Found(Found),
+    /// Nothing was heard by a controller that would have told errors: nobody sends.
+    Silent,
+    /// There is traffic, and it is at none of the rates.
+    NoCandidateFits(Misfit),
+    /// Nothing was heard, and this controller cannot tell a wrong rate from a silent bus.
+    StillOpen,
+    /// The controller can be set to none of the candidates.
+    Refused,
+}

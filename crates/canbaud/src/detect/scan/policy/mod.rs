@@ -1,0 +1,101 @@
+//! The policies: one interface, one file each.
+
+mod fixed_dwell;
+mod koppe;
+mod weighing;
+
+use super::machine::{Scan, Step};
+use super::{ErrorClass, ErrorPlace, Policy};
+use crate::units::Micros;
+
+/// What to do with the present step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Decision {
+    /// Go on listening.
+    Stay,
+    /// To the next candidate.
+    Leave,
+    /// This is the rate.
+    Announce,
+    /// No verdict.
+    GiveUp,
+}
+
+impl<const N: usize> Scan<N> {
+    /// The candidate to listen to next; `None` if the controller can be set to none.
+    pub(super) fn next(&self) -> Option<usize> {
+        match self.policy() {
+            Policy::Weighing => self.weighing_next(),
+            Policy::Koppe => self.koppe_next(),
+            Policy::FixedDwell => self.fixed_dwell_next(),
+        }
+    }
+
+    /// A good frame was received.
+    pub(super) fn frame(&mut self, step: &mut Step, at: Micros) -> Decision {
+        match self.policy() {
+            Policy::Weighing => self.weighing_frame(step, at),
+            Policy::Koppe | Policy::FixedDwell => Decision::Announce,
+        }
+    }
+
+    /// A protocol error was told.
+    pub(super) fn error(
+        &mut self,
+        step: &mut Step,
+        at: Micros,
+        class: ErrorClass,
+        place: ErrorPlace,
+    ) -> Decision {
+        match self.policy() {
+            Policy::Weighing => self.weighing_error(step, at, class, place),
+            Policy::Koppe => self.koppe_error(step),
+            Policy::FixedDwell => Decision::Stay,
+        }
+    }
+
+    /// The receive error counter rose by `rise`.
+    pub(super) fn counted(&mut self, step: &mut Step, at: Micros, rise: u16) -> Decision {
+        match self.policy() {
+            Policy::Weighing => self.weighing_counted(step, at, rise),
+            Policy::Koppe => self.koppe_error(step),
+            Policy::FixedDwell => Decision::Stay,
+        }
+    }
+
+    /// It is `now`, and nothing was heard.
+    pub(super) fn time(&mut self, step: &mut Step, now: Micros) -> Decision {
+        if now < self.wake(step) {
+            return Decision::Stay;
+        }
+        match self.policy() {
+            Policy::Weighing => self.weighing_time(step, now),
+            Policy::Koppe => Decision::Stay,
+            Policy::FixedDwell => Decision::Leave,
+        }
+    }
+
+    /// When [`Self::time`] has something to do.
+    pub(super) fn wake(&self, step: &Step) -> Micros {
+        if step.decision != Decision::Stay {
+            return Micros(0);
+        }
+        match self.policy() {
+            Policy::Weighing => self.weighing_wake(step),
+            Policy::Koppe => Micros::MAX,
+            Policy::FixedDwell => step.since + self.settings.dwell,
+        }
+    }
+
+    /// Every candidate that can be had has met so many errors that it cannot be the rate.
+    pub(super) fn all_refuted(&self) -> bool {
+        self.policy() == Policy::Weighing && self.weighing_all_refuted()
+    }
+
+    /// The places of the candidates that the controller has not refused.
+    pub(super) fn usable(&self) -> impl Iterator<Item = usize> {
+        let count = self.candidates.as_slice().len();
+        let usable = self.tracks.iter().take(count).enumerate().filter(|(_, t)| !t.refused);
+        usable.map(|(at, _)| at)
+    }
+}
