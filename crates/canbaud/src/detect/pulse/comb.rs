@@ -5,6 +5,7 @@
 //! around one bit; where they fit on an arc no longer than a tick, the bit time is possible.
 
 use super::bit_times::BitTimes;
+use crate::fixed::div_small;
 use crate::wire::phase::{BUCKETS, bucket, has_gap};
 
 /// Most bits that these runs have.
@@ -87,7 +88,7 @@ impl<'a> Comb<'a> {
             while u64::from(self.bits + 1) * u64::from(bit_q20) <= self.duration_q20 {
                 self.bits += 1;
             }
-            let step = (bit_q20 / (self.bits.max(20) * STEPS_A_BIT)).max(1);
+            let step = bit_q20.checked_div(self.bits.max(20) * STEPS_A_BIT).unwrap_or(0).max(1);
             self.bit_q20 -= step;
             // Edges on whole ticks take an arc of one tick, and the edge of a bucket on both sides.
             let limit = ((64 << 20) / bit_q20 + self.slack as u32).min(ARC_MAX);
@@ -103,7 +104,7 @@ impl<'a> Comb<'a> {
 
     /// How far a bit time must be from those already tried to be another one.
     pub(super) fn apart_q20(&self, bit_q20: u64) -> u64 {
-        bit_q20 / u64::from(self.bits.max(20) * 8)
+        div_small(bit_q20, self.bits.max(20) * 8)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::interval::Interval;
 use crate::detect::BitTime;
-use crate::fixed::{div_wide, ratio_q20, sqrt};
+use crate::fixed::{div_small, div_wide, ratio_q20, sqrt};
 use crate::wire::{Fit, PhaseSums};
 
 /// Least squares over any number of frames; each frame has its own origin.
@@ -168,7 +168,7 @@ pub(super) fn pool(nominal: BitTime, data: BitTime) -> (BitTime, BitTime) {
     let uncertainty = div_wide(first * second, u128::from(sqrt(variance)));
     let ticks_q20 = u64::try_from(mean).unwrap_or(nominal.ticks_q20);
     let uncertainty_ppb = u32::try_from(uncertainty).unwrap_or(u32::MAX);
-    let data = BitTime { ticks_q20: ticks_q20 / ratio, uncertainty_ppb };
+    let data = BitTime { ticks_q20: div_small(ticks_q20, ratio as u32), uncertainty_ppb };
     (BitTime { ticks_q20, uncertainty_ppb }, data)
 }
 

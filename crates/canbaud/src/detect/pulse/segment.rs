@@ -203,7 +203,12 @@ impl<const N: usize> Segmenter<N> {
             *slot = None;
         }
         let oldest = self.starts.iter().flatten().map(|start| start.at).min().unwrap_or(self.len);
-        self.runs.copy_within(oldest..self.len, 0);
+        for to in 0..self.len - oldest {
+            let run = self.runs.get(oldest + to).copied().unwrap_or(0);
+            if let Some(slot) = self.runs.get_mut(to) {
+                *slot = run;
+            }
+        }
         self.len -= oldest;
         for start in self.starts.iter_mut().flatten() {
             start.at -= oldest;
