@@ -50,8 +50,30 @@ impl<const N: usize> Scan<N> {
         self.candidates.as_slice().get(at).map(|candidate| candidate.nominal)
     }
 
-    /// The one with the best chance for the time that it takes.
+    /// The one with the best chance for the time that it takes. Of many that are as good as each
+    /// other, the middle one: errors there say whether the bus is slower or faster.
     pub(super) fn weighing_next(&self) -> Option<usize> {
+        self.middle_of_the_best().or_else(|| self.best_for_its_time())
+    }
+
+    fn middle_of_the_best(&self) -> Option<usize> {
+        if self.telling() == Evidence::FramesOnly || !self.traffic.tells {
+            return None;
+        }
+        let standing = |at: usize| self.tracks.get(at).map_or(i32::MIN, |track| track.standing());
+        let best = self.usable().map(standing).max()?;
+        let equal = || self.usable().filter(|at| standing(*at) > best.saturating_sub(BIT));
+        let count = equal().count();
+        if count < 3 {
+            return None;
+        }
+        let faster = |at: &usize| {
+            equal().filter(|other| (self.rate(*other), *other) > (self.rate(*at), *at)).count()
+        };
+        equal().find(|at| faster(at) == count / 2)
+    }
+
+    fn best_for_its_time(&self) -> Option<usize> {
         let score = |at: usize| {
             let rate = self.rate(at)?;
             let listening = Micros::of_bits(2 * bounds::LONGEST_FRAME, rate) + self.first_look(at);
