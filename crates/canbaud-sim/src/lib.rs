@@ -13,6 +13,7 @@ pub mod check;
 mod clock;
 pub mod device;
 mod event;
+pub mod lss_device;
 mod node;
 mod rng;
 pub mod scenario;

@@ -73,8 +73,10 @@ const fn class_of(kind: u8, place: u8) -> ErrorClass {
 
 const fn place_of(place: u8) -> ErrorPlace {
     match place {
-        // SOF, identifier, SRTR, IDE, RTR, reserved bits, DLC, data, CRC sequence.
-        0x02..=0x0F => ErrorPlace::BeforeCrcEnd,
+        // SOF, identifier, SRTR, IDE, RTR.
+        0x02..=0x07 | 0x0C | 0x0E | 0x0F => ErrorPlace::Arbitration,
+        // Reserved bits, DLC, data, CRC sequence.
+        0x08..=0x0B | 0x0D => ErrorPlace::BeforeCrcEnd,
         place::CRC_DELIMITER => ErrorPlace::CrcDelimiter,
         place::ACK_SLOT => ErrorPlace::AckSlot,
         place::ACK_DELIMITER => ErrorPlace::AckDelimiter,

@@ -2,7 +2,7 @@
 
 use std::io;
 use std::path::Path;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use canbaud::detect::scan::{
     Candidate, Capabilities, Capture, Configured, Controller, Evidence, FrameSeen, Observation,
@@ -18,7 +18,7 @@ use super::raw::{RawSocket, Reception};
 use super::restore::Saved;
 use super::rtnl::Rtnl;
 use super::setup::{Device, Profile};
-use crate::{Clock, LinkError, Listener};
+use crate::{After, Clock, LinkError, Listener};
 
 /// Changing the rate takes 3 to 21 ms with the adapters that were measured; USB may wait.
 const RECONFIGURATION: Micros = Micros::from_ms(300);
@@ -28,19 +28,12 @@ const LATENCY: Micros = Micros::from_ms(50);
 const POLL: Micros = Micros::from_ms(10);
 /// Things heard at once that say nothing about the rate.
 const BURST: usize = 64;
+/// The driver of serial adapters.
+const SLCAN: &str = "slcan";
 /// The driver of PEAK USB adapters, which loses the mark of its error frames.
 const PEAK_USB: &str = "peak_usb";
 /// What is left of such a frame: `CAN_ERR_CNT` as an identifier.
 const PEAK_COUNTERS: u16 = 0x200;
-
-/// How to leave the interface behind a successful scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum After {
-    /// At the found rate, listening.
-    Listening,
-    /// At the found rate, taking part in the traffic.
-    Normal,
-}
 
 /// An interface that only listens; put back as it was found when it goes out of use.
 #[derive(Debug)]
@@ -98,28 +91,6 @@ impl SocketCanListener {
     #[must_use]
     pub fn driver(&self) -> Option<&str> {
         self.profile.driver.as_deref()
-    }
-
-    /// Sets `candidate` for good, instead of what was found, and sets the interface up.
-    ///
-    /// # Errors
-    /// What could not be set; the interface is put back later then.
-    pub fn keep(&mut self, candidate: &Candidate, after: After) -> Result<(), LinkError> {
-        Controller::configure(self, candidate)?;
-        let can = self.read_back()?.can.unwrap_or_default();
-        // What the scan switched for itself goes back; the mode is as the user asked.
-        let mut own = ctrlmode::BERR_REPORTING;
-        let mut values = can.ctrlmode & !TDC;
-        if after == After::Normal {
-            own |= ctrlmode::LOOPBACK | ctrlmode::PRESUME_ACK;
-            values &= !ctrlmode::LISTEN_ONLY;
-        }
-        values = values & !own | self.saved.ctrlmode() & own;
-        let mask = (can.ctrlmode | values) & !TDC;
-        self.change(&LinkChange { ctrlmode: Some((mask, values)), ..LinkChange::default() })?;
-        self.change(&LinkChange::only(Change::Up))?;
-        self.touched = false;
-        Ok(())
     }
 
     fn change(&mut self, change: &LinkChange) -> Result<(), LinkError> {
@@ -226,6 +197,20 @@ impl SocketCanListener {
         Ok(count.map(Observation::ReceiveErrors))
     }
 
+    /// Throws away what the adapter still had in its queue.
+    fn settle(&mut self) -> Result<(), LinkError> {
+        let end = Instant::now() + self.profile.settle;
+        let Some(socket) = &self.socket else { return Ok(()) };
+        let drain = || loop {
+            while socket.receive()?.is_some() && Instant::now() < end {}
+            match end.checked_duration_since(Instant::now()) {
+                None | Some(Duration::ZERO) => return Ok(()),
+                Some(left) => socket.wait(left)?,
+            }
+        };
+        drain().map_err(|error| self.broken(error))
+    }
+
     /// Why the socket does not work any more.
     fn broken(&mut self, error: io::Error) -> LinkError {
         match self.read_back() {
@@ -257,7 +242,7 @@ fn rate_alone(rate: Bitrate) -> TimingInfo {
 fn wide(timing: TimingInfo, limits: &TimingConst) -> Option<TimingInfo> {
     let quanta = timing.quanta();
     let longest = limits.tseg2.1.min((quanta - 1) / 2);
-    let tseg2 = longest.max((quanta - 1).checked_sub(limits.tseg1.1)?);
+    let tseg2 = longest.max((quanta - 1).saturating_sub(limits.tseg1.1));
     let tseg1 = (quanta - 1).checked_sub(tseg2)?;
     let fits = (limits.tseg1.0..=limits.tseg1.1).contains(&tseg1)
         && (limits.tseg2.0..=limits.tseg2.1).contains(&tseg2);
@@ -331,6 +316,7 @@ impl Controller for SocketCanListener {
             return Err(self.state("somebody else changed the interface during the scan"));
         }
         self.socket = Some(RawSocket::open(&self.link.name, self.link.index)?);
+        self.settle()?;
         self.counter = Counter { due: self.clock.now(), last: None };
         Ok(())
     }
@@ -393,6 +379,13 @@ impl Listener for SocketCanListener {
                  and it is put back afterwards"
             ));
         }
+        if self.driver() == Some(SLCAN) {
+            remarks.push(format!(
+                "{name} is a serial adapter whose answers its driver does not read: one without \
+                 listen-only stays closed, which looks like a silent bus; without slcand, \
+                 canbaud detect slcan:/dev/tty... asks the adapter itself"
+            ));
+        }
         if self.saved.bitrate().is_none() && self.saved.ctrlmode() & ctrlmode::LISTEN_ONLY == 0 {
             remarks.push(format!(
                 "{name} had no bit rate: Linux cannot take one away again, so the last one tried \
@@ -400,6 +393,24 @@ impl Listener for SocketCanListener {
             ));
         }
         remarks
+    }
+
+    fn keep(&mut self, candidate: &Candidate, after: After) -> Result<(), LinkError> {
+        Controller::configure(self, candidate)?;
+        let can = self.read_back()?.can.unwrap_or_default();
+        // What the scan switched for itself goes back; the mode is as the user asked.
+        let mut own = ctrlmode::BERR_REPORTING;
+        let mut values = can.ctrlmode & !TDC;
+        if after == After::Normal {
+            own |= ctrlmode::LOOPBACK | ctrlmode::PRESUME_ACK;
+            values &= !ctrlmode::LISTEN_ONLY;
+        }
+        values = values & !own | self.saved.ctrlmode() & own;
+        let mask = (can.ctrlmode | values) & !TDC;
+        self.change(&LinkChange { ctrlmode: Some((mask, values)), ..LinkChange::default() })?;
+        self.change(&LinkChange::only(Change::Up))?;
+        self.touched = false;
+        Ok(())
     }
 
     fn restore(&mut self) -> Result<(), LinkError> {

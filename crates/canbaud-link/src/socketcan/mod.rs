@@ -14,7 +14,8 @@ mod restore;
 mod rtnl;
 mod setup;
 
-pub use listener::{After, SocketCanListener};
+pub use listener::SocketCanListener;
 pub use rtnl::Rtnl;
 
 pub(crate) use frame::{Raw, encode};
+pub(crate) use setup::{Device, Profile};
