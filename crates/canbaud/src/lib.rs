@@ -11,6 +11,7 @@ extern crate std;
 
 pub mod detect;
 pub mod fault;
+mod fixed;
 pub mod lss;
 pub mod node;
 pub mod rates;

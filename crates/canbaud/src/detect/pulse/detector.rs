@@ -1,9 +1,8 @@
 //! The detector: edges in, a verdict out, in fixed memory.
 
-use super::lattice::Stray;
 use super::measure::{Measurement, pool};
 use super::places::Places;
-use super::prove::{Idle, Proof, SAME_RATE_SHIFT, prove, prove_at};
+use super::prove::{Idle, Proof, SAME_RATE_SHIFT, Tries, prove, prove_at};
 use super::segment::{Candidate, End, Segmenter};
 use super::{glitch, interval};
 use crate::detect::{BitTime, DataPhase, Found, Need, Phase, Verdict};
@@ -262,7 +261,7 @@ impl Rate {
     fn is_of(&self, proof: &Proof) -> bool {
         let same = |known: u64, other: u64| known.abs_diff(other) <= known >> SAME_RATE_SHIFT;
         let reading = &proof.attempt.reading;
-        let nominal = reading.nominal.fit().ticks_q20();
+        let nominal = proof.fit.ticks_q20();
         let data = proof.attempt.rates.data.filter(|_| reading.brs_run.is_some());
         same(
             self.rates.nominal.ticks_q20(),
@@ -281,7 +280,8 @@ impl Rate {
         let runs = glitch::without(activity.runs, width, room).unwrap_or(activity.runs);
         let activity = Activity { runs, ..activity };
         // A receiver tolerates several percent; a frame that far off is of another rate.
-        let proof = prove_at(activity, &self.rates, &mut 0).filter(|proof| self.is_of(proof));
+        let proof =
+            prove_at(activity, &self.rates, Tries::All, &mut 0).filter(|proof| self.is_of(proof));
         if let Some(proof) = &proof {
             self.add(proof, activity);
         }
@@ -295,7 +295,7 @@ impl Rate {
         }
         self.last_frame = hash;
         self.proven = self.proven.saturating_add(1);
-        self.nominal.add(&proof.attempt.reading.nominal);
+        self.nominal.add_fit(&proof.fit);
         if proof.received.fd_crc.is_some() {
             self.fd_frames = self.fd_frames.saturating_add(1);
             self.rates.fd_crc = proof.attempt.rates.fd_crc;
@@ -304,15 +304,11 @@ impl Rate {
             self.data.add(&proof.attempt.reading.data);
             self.rates.data = proof.attempt.rates.data;
         }
-        if self.proven == 1
-            && let Some(bit) = self.nominal.bit_time()
-        {
-            let places = Places::nominal(activity, &proof.attempt);
-            let noise = Stray::of(&places, bit.ticks_q20).variance_q20;
-            self.nominal.set_noise(noise);
-            self.data.set_noise(noise);
-            if let Some(interval) = interval::of(&places) {
-                self.nominal.set_interval(&interval);
+        if self.proven == 1 && self.nominal.frames() == 1 {
+            self.nominal.set_noise(proof.noise_q20);
+            self.data.set_noise(proof.noise_q20);
+            if let Some(interval) = &proof.interval {
+                self.nominal.set_interval(interval);
             }
         }
         if self.data.frames() == 1
@@ -343,11 +339,11 @@ impl Rate {
 
     /// Reads the next frame at the bit times measured so far.
     fn sharpen(&mut self) {
-        let measured = self.nominal.bit_time().and_then(|bit| BitClock::new(bit.ticks_q20));
+        let measured = self.nominal.ticks_q20().and_then(BitClock::new);
         if let Some(clock) = measured {
             self.rates.nominal = clock;
         }
-        let data = self.data.bit_time().and_then(|bit| BitClock::new(bit.ticks_q20));
+        let data = self.data.ticks_q20().and_then(BitClock::new);
         if let (Some(clock), Some(rate)) = (data, &mut self.rates.data) {
             rate.clock = clock;
         }
