@@ -261,14 +261,9 @@ impl<'a> Fastscan<'a> {
         }
     }
 
-    /// Whether an answer so soon belongs to the request before: that one was given up early, or
-    /// several devices answer.
+    /// Whether an answer so soon belongs to the request before, which was given up early.
     fn is_stray(&self, round_trip: Micros) -> bool {
-        let possible = match self.before {
-            Before::GivenUp => true,
-            Before::Settled => self.rhythm.settle() > Micros(0),
-        };
-        possible && self.rhythm.is_too_early(round_trip)
+        self.before == Before::GivenUp && self.rhythm.is_too_early(round_trip)
     }
 
     /// What answers the request that is out.
