@@ -10,7 +10,10 @@
 extern crate std;
 
 pub mod detect;
+pub mod fault;
+mod fixed;
 pub mod lss;
+pub mod node;
 pub mod rates;
 pub mod timing;
 pub mod units;

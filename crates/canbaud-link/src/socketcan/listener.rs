@@ -28,6 +28,8 @@ const LATENCY: Micros = Micros::from_ms(50);
 const POLL: Micros = Micros::from_ms(10);
 /// Things heard at once that say nothing about the rate.
 const BURST: usize = 64;
+/// The driver of serial adapters.
+const SLCAN: &str = "slcan";
 /// The driver of PEAK USB adapters, which loses the mark of its error frames.
 const PEAK_USB: &str = "peak_usb";
 /// What is left of such a frame: `CAN_ERR_CNT` as an identifier.
@@ -375,6 +377,13 @@ impl Listener for SocketCanListener {
             remarks.push(format!(
                 "{name} was up{rate}: it is taken down for the scan, programs that use it notice, \
                  and it is put back afterwards"
+            ));
+        }
+        if self.driver() == Some(SLCAN) {
+            remarks.push(format!(
+                "{name} is a serial adapter whose answers its driver does not read: one without \
+                 listen-only stays closed, which looks like a silent bus; without slcand, \
+                 canbaud detect slcan:/dev/tty... asks the adapter itself"
             ));
         }
         if self.saved.bitrate().is_none() && self.saved.ctrlmode() & ctrlmode::LISTEN_ONLY == 0 {

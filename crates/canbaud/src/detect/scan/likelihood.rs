@@ -89,7 +89,7 @@ fn density_penalty(burst: &Burst, receiver: u32, bus: u32, (least, most): (Micro
         return 0;
     }
     let bits = log2(u64::from(burst.count - 1)) - expected;
-    let off = bits - bits.clamp(bits_of(least, bus), bits_of(most, bus));
+    let off = bits - bits.min(bits_of(most, bus)).max(bits_of(least, bus));
     let off = off.clamp(-64, 64);
     (off * off * sharpness / 32).min(WORST)
 }

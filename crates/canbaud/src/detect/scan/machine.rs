@@ -44,6 +44,8 @@ pub(super) struct Step {
     pub(super) doubts: u32,
     /// A frame was destroyed at its ACK delimiter.
     pub(super) unacknowledged: bool,
+    /// The nominal rate is proven; only the data rate is not.
+    pub(super) awaits_switch: bool,
     pub(super) decision: Decision,
 }
 
@@ -75,6 +77,9 @@ pub(super) struct Traffic {
     /// The controller has told an error in the arbitration field: it tells that apart.
     pub(super) tells_arbitration: bool,
 }
+
+/// How far the bus may be from the middle of the rates that could be read, in thousandths.
+const SURVEYED_PERMILLE: u16 = 17;
 
 /// A scan for the rate of a bus, in fixed memory.
 ///
@@ -295,6 +300,7 @@ impl<const N: usize> Scan<N> {
             last_error: None,
             doubts: 0,
             unacknowledged: false,
+            awaits_switch: false,
             decision: Decision::Stay,
         });
     }
@@ -412,7 +418,12 @@ impl<const N: usize> Scan<N> {
             (false, _) if suspected && track.in_arbitration == 0 => FdSeen::Suspected,
             (false, _) => FdSeen::No,
         };
+        let reach_permille = match self.settings.policy {
+            Policy::Survey => SURVEYED_PERMILLE,
+            _ => candidate.map_or(0, |candidate| candidate.capture.reach_permille()),
+        };
         Outcome::Found(Found {
+            reach_permille,
             candidate: candidate.unwrap_or(Candidate::classic(step.configured.nominal)),
             configured: step.configured,
             frames: track.frames,

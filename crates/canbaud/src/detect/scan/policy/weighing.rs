@@ -4,7 +4,7 @@ use super::Decision;
 use crate::detect::scan::burst::Burst;
 use crate::detect::scan::likelihood::{error_bits, explain, log2};
 use crate::detect::scan::machine::{Scan, Step};
-use crate::detect::scan::track::BIT;
+use crate::detect::scan::track::{BIT, Track};
 use crate::detect::scan::{ErrorClass, ErrorPlace, Evidence, bounds};
 use crate::units::{Bitrate, Micros};
 
@@ -27,6 +27,8 @@ const DOUBTS: u32 = 3;
 const IN_QUESTION: i32 = 12 * BIT;
 /// What other rates can say against one, at most.
 const LEAST_HINT: i32 = -14 * BIT;
+/// Bursts of errors after which a data rate is taken for wrong: one may be a destroyed frame.
+const TRIED: u32 = 2;
 /// Slower than this against the bus, a receiver may hear nothing at all on a loaded bus.
 const DEAF: u32 = 4;
 /// Faster than this against the bus, six bits of the receiver lie within one of the bus: no frame
@@ -94,22 +96,27 @@ impl<const N: usize> Scan<N> {
             track.weight = track.weight.saturating_add(GOOD_FRAME);
         }
         step.good = step.good.or(Some(at));
-        if track.distinct > 1 { self.announce(step) } else { Decision::Stay }
+        if track.distinct > 1 { self.settle(step, at) } else { Decision::Stay }
     }
 
-    /// The nominal rate is right. Errors beside good frames may come from another data rate.
-    fn announce(&mut self, step: &Step) -> Decision {
+    /// The nominal rate is right. Whether the data rate is, only frames that switch to it tell.
+    fn settle(&mut self, step: &mut Step, now: Micros) -> Decision {
         let all = self.candidates.as_slice();
         let (Some(own), Some(track)) = (all.get(step.at), self.tracks.get(step.at)) else {
             return Decision::Leave;
         };
-        let sibling = |at: &usize| {
-            let same = all.get(*at).is_some_and(|other| other.nominal == own.nominal);
-            same && self.tracks.get(*at).is_some_and(|track| track.errors == 0)
+        let tried = |track: &Track| track.errors >= TRIED;
+        let sibling = |at: usize| {
+            let same = all.get(at).is_some_and(|other| other.nominal == own.nominal);
+            same && at != step.at && self.tracks.get(at).is_some_and(|track| !tried(track))
         };
-        let doubtful = own.data.is_some() && track.errors > 0 && !track.switched;
-        if !doubtful || !self.usable().any(|at| sibling(&at)) {
+        if own.data.is_none() || track.switched || !self.usable().any(sibling) {
             return Decision::Announce;
+        }
+        if !tried(track) {
+            let until = step.since + self.longest_step(step);
+            step.awaits_switch = now < until;
+            return if now < until { Decision::Stay } else { Decision::Announce };
         }
         let nominal = own.nominal;
         for (candidate, track) in all.iter().zip(&mut self.tracks) {
@@ -201,6 +208,9 @@ impl<const N: usize> Scan<N> {
         if let Some(burst) = &step.burst {
             return (burst.last + self.hush(step, burst)).min(burst.first + self.longest_burst());
         }
+        if step.awaits_switch {
+            return step.since + self.longest_step(step);
+        }
         match step.good {
             Some(good) => good.max(self.quiet_since(step)) + self.confirmation(step),
             None => (step.heard + self.patience(step)).min(Self::stalled_at(step)),
@@ -262,6 +272,9 @@ impl<const N: usize> Scan<N> {
             }
         }
         self.level_hints();
+        if step.awaits_switch {
+            return self.settle(step, burst.last);
+        }
         if step.frames > 0 && step.doubts < DOUBTS {
             step.doubts += 1;
             return Decision::Stay;
@@ -289,7 +302,7 @@ impl<const N: usize> Scan<N> {
     /// How long nothing may be heard before another candidate is listened to.
     fn patience(&self, step: &Step) -> Micros {
         let Some(candidate) = self.candidates.as_slice().get(step.at) else { return Micros(0) };
-        let most = bounds::patience(candidate, &self.settings);
+        let most = self.longest_step(step);
         if step.unacknowledged {
             return Micros::of_bits(2 * bounds::RETRANSMISSION, candidate.nominal).min(most);
         }
@@ -370,7 +383,7 @@ impl<const N: usize> Scan<N> {
                 }
                 self.silence(step, now)
             }
-            Evidence::Errors | Evidence::Counter | Evidence::FramesOnly => self.announce(step),
+            Evidence::Errors | Evidence::Counter | Evidence::FramesOnly => self.settle(step, now),
         }
     }
 
