@@ -5,8 +5,8 @@ mod common;
 
 use canbaud::wire::{FdCrc, Level};
 use canbaud_sim::{
-    Event, FdSupport, Gate, Mode, NodeConfig, NodeId, Observer, Pace, Rng, Sample, Simulation,
-    Span, Stop, Tdc, Time, Transceiver,
+    BitTiming, Event, FdSupport, Gate, Mode, NodeConfig, NodeId, Observer, Pace, Rng, Sample,
+    Simulation, Span, Stop, Tdc, Time, Transceiver,
 };
 use common::{any_frame, data, node};
 
@@ -184,6 +184,53 @@ fn coinciding(sim: &mut Simulation, rng: &mut Rng) -> Vec<NodeId> {
         }
     }
     ids
+}
+
+/// After some dominant bits a pulse follows each sample point, so that every bit loses its
+/// PHASE_SEG2.
+fn pulsed(sim: &mut Simulation, rng: &mut Rng) -> Vec<NodeId> {
+    let mut config = node("n");
+    config.nominal = BitTiming::new(10, 0, 10, 5, 5).unwrap();
+    let ids = vec![sim.add_node(config).unwrap()];
+    let pulse = Span::from_ns(50);
+    for ms in 1..20 {
+        let sof = Time::ZERO + Span::from_ms(ms);
+        let dominant = 2_000 * (1 + rng.below(5));
+        sim.dominant_at(sof, Span::from_ns(dominant));
+        // The first recessive bit is sampled 1375 ns after its start, the others after a pulse.
+        let first = dominant + 1_390 + rng.below(50);
+        for n in 0..8 {
+            sim.dominant_at(sof + Span::from_ns(first + 1_400 * n), pulse);
+        }
+    }
+    ids
+}
+
+/// Listeners at a rate that is nearly right: they read some bits right, then others.
+fn nearly(sim: &mut Simulation, rng: &mut Rng) -> Vec<NodeId> {
+    let mut ids = vec![sim.add_node(node("sender")).unwrap()];
+    for _ in 0..2 {
+        let config = node("n").with_mode(Mode::BusMonitoring);
+        let ppb = rng.below(500_000_000) as i64 - 250_000_000;
+        ids.push(sim.add_node(config.with_ppb(ppb)).unwrap());
+    }
+    for n in 0..60 {
+        let at = Time::ZERO + Span::from_ns(330_000 * n + rng.below(2_000));
+        sim.send_at(at, ids[0], any_frame(rng, false));
+    }
+    ids
+}
+
+#[test]
+fn bits_that_pulses_shorten_come_out_the_same() {
+    let told: usize = (0..40).map(|seed| compare(seed, pulsed)).sum();
+    assert!(told > 40 * 300, "{told}");
+}
+
+#[test]
+fn listeners_at_nearly_the_right_rate_come_out_the_same() {
+    let told: usize = (0..60).map(|seed| compare(seed, nearly)).sum();
+    assert!(told > 60 * 1_000, "{told}");
 }
 
 #[test]
