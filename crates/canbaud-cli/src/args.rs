@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::judge::JudgeOptions;
 use crate::run::live::LiveArgs;
 use crate::run::timing::{ControllersArgs, TIMING_HELP, TimingArgs};
-use crate::run::{AdaptersArgs, SimulateArgs};
+use crate::run::{AdaptersArgs, LSS_HELP, LssArgs, SimulateArgs};
 
 const ABOUT: &str = "Finds the bit rate of a recorded CAN or CAN FD bus, proves it, decodes it";
 
@@ -106,6 +106,9 @@ pub(crate) enum Command {
     Adapters(AdaptersArgs),
     /// Run a simulated bus from a scenario, to files, statistics or a virtual adapter
     Simulate(SimulateArgs),
+    /// Set bit rate and node-ID of CANopen devices over the bus (CiA 305); transmits
+    #[command(after_help = LSS_HELP)]
+    Lss(Box<LssArgs>),
 }
 
 /// When to use colours.

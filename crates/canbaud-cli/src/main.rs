@@ -30,6 +30,7 @@ fn main() -> ExitCode {
         Command::Controllers(args) => run::controllers(&args),
         Command::Adapters(args) => run::adapters(&args),
         Command::Simulate(args) => run::simulate(&args),
+        Command::Lss(args) => run::lss(&args),
     };
     exit.into()
 }

@@ -11,6 +11,7 @@
 //! | [`replay`] | a capture file in the place of a bus |
 //! | [`adapters`] | what there is on this machine, and what is known of it |
 //! | [`bus`] | channels that transmit, for LSS |
+//! | [`lss`] | the LSS master on one of them |
 #![forbid(unsafe_code)]
 
 pub mod adapters;
@@ -18,6 +19,7 @@ pub mod bus;
 mod clock;
 mod error;
 mod listener;
+pub mod lss;
 pub mod replay;
 pub mod sim;
 pub mod slcan;

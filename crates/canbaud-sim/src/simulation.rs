@@ -8,12 +8,14 @@ use canbaud::wire::{Frame, Level};
 use crate::bus::Line;
 use crate::clock::ClockError;
 use crate::event::{Event, NodeId, Observer};
-use crate::node::{FaultConfinement, Node, NodeConfig, Oscillator};
+use crate::node::{FaultConfinement, Node, NodeConfig, Oscillator, Step};
 use crate::time::{Span, Time};
 
 mod act;
+mod ahead;
 
 use act::{Act, Entry};
+use ahead::Ahead;
 
 /// Why [`Simulation::run`] came back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +24,16 @@ pub enum Stop {
     Reached,
     /// Something happened in a node that is watched: [`Simulation::take_news`].
     News,
+}
+
+/// How a run is computed; what comes out is the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Pace {
+    /// Bits of which nothing can come are computed many at a time.
+    #[default]
+    Ahead,
+    /// Every sample point of every node in its turn: slow, and plain.
+    EveryBit,
 }
 
 /// A bus with its nodes.
@@ -53,7 +65,8 @@ pub struct Simulation {
     entries: u64,
     news: Vec<(Time, NodeId, Event)>,
     steps: u64,
-    late_reading: bool,
+    pace: Pace,
+    ahead: Ahead,
 }
 
 impl Simulation {
@@ -72,7 +85,8 @@ impl Simulation {
             entries: 0,
             news: Vec::new(),
             steps: 0,
-            late_reading: false,
+            pace: Pace::default(),
+            ahead: Ahead::default(),
         }
     }
 
@@ -211,27 +225,30 @@ impl Simulation {
         Ok(())
     }
 
+    /// How runs are computed from now on.
+    pub const fn set_pace(&mut self, pace: Pace) {
+        self.pace = pace;
+    }
+
     /// Runs until `until`, or until a watched node has news.
     pub fn run<O: Observer>(&mut self, until: Time, observer: &mut O) -> Stop {
         // Whoever wants samples wants them in time.
-        self.late_reading = !O::SAMPLES;
-        self.allow_late_reading();
-        let stop = self.run_on(until, observer);
+        let late = self.pace == Pace::Ahead && !O::SAMPLES;
         for node in &mut self.nodes {
-            node.catch_up(self.now, &self.line.log);
+            node.set_late_reading(late);
+        }
+        self.refresh_all();
+        let stop = self.run_on(until, observer);
+        // News may come before other events of the same time.
+        let done = match stop {
+            Stop::Reached => self.now + Span::from_fs(1),
+            Stop::News => self.now,
+        };
+        for node in &mut self.nodes {
+            node.catch_up(done, &self.line.log);
         }
         self.refresh_all();
         stop
-    }
-
-    /// On a shorted line a transmitter has to look at each of its bits.
-    fn allow_late_reading(&mut self) {
-        let allowed = self.late_reading && !self.line.is_shorted();
-        for node in &mut self.nodes {
-            node.catch_up(self.now, &self.line.log);
-            node.set_late_reading(allowed, &self.line.log);
-        }
-        self.refresh_all();
     }
 
     fn refresh_all(&mut self) {
@@ -244,11 +261,10 @@ impl Simulation {
         loop {
             let (mut at, mut place, mut second) = (Time::NEVER, 0, Time::NEVER);
             for (index, &next) in self.next.iter().enumerate() {
-                if next < at {
-                    (second, at, place) = (at, next, index);
-                } else {
-                    second = second.min(next);
-                }
+                // Without a branch, which could not be foretold.
+                second = second.min(next.max(at));
+                place = if next < at { index } else { place };
+                at = at.min(next);
             }
             let arrival = self.line.next();
             let entry = self.agenda.peek().map_or(Time::NEVER, |Reverse(entry)| entry.at);
@@ -263,10 +279,9 @@ impl Simulation {
                 self.act(observer);
             } else if arrival == first {
                 second = second.min(self.arrive(observer));
-                self.run_alone(place, second.min(entry).min(until), observer);
-            } else {
-                self.step(place, observer);
-                self.run_alone(place, second.min(entry).min(until), observer);
+                self.run_alone(place, second.min(entry), until, observer);
+            } else if !self.step(place, until, observer) {
+                self.run_alone(place, second.min(entry), until, observer);
             }
             if !self.news.is_empty() {
                 return Stop::News;
@@ -277,8 +292,14 @@ impl Simulation {
     /// Goes on with one node, and with what arrives at the star point, strictly before `horizon`:
     /// until then no other node has anything to do.
     #[inline]
-    fn run_alone<O: Observer>(&mut self, place: usize, horizon: Time, observer: &mut O) {
-        let mut horizon = horizon;
+    fn run_alone<O: Observer>(
+        &mut self,
+        place: usize,
+        horizon: Time,
+        until: Time,
+        observer: &mut O,
+    ) {
+        let mut horizon = horizon.min(until);
         while self.news.is_empty() {
             let (next, arrival) = (self.next[place], self.line.next());
             let first = next.min(arrival);
@@ -289,8 +310,8 @@ impl Simulation {
             self.steps += 1;
             if arrival <= next {
                 horizon = horizon.min(self.arrive(observer));
-            } else {
-                self.step(place, observer);
+            } else if self.step(place, until, observer) {
+                return;
             }
         }
     }
@@ -304,24 +325,32 @@ impl Simulation {
         }
     }
 
+    /// The next event of the node at `place`. True if more than that was computed.
     #[inline]
-    fn step<O: Observer>(&mut self, place: usize, observer: &mut O) {
+    fn step<O: Observer>(&mut self, place: usize, until: Time, observer: &mut O) -> bool {
         let now = self.now;
         let node = &mut self.nodes[place];
         let step = node.step(now, &self.line.log);
         self.next[place] = node.next();
         match step {
-            crate::node::Step::Quiet => {}
-            crate::node::Step::Sampled(sample) => {
+            Step::Quiet => {}
+            Step::Sampled(sample) => {
                 if O::SAMPLES {
                     observer.sample(now, NodeId(place), &sample);
                 }
             }
-            crate::node::Step::Txd(level) => self.drive(place, level, observer),
+            Step::Txd(level) => self.drive(place, level, observer),
         }
-        if self.nodes[place].has_events() {
+        let node = &self.nodes[place];
+        if node.has_events() {
             self.publish(place, observer);
+            return false;
         }
+        let sampled = matches!(step, Step::Sampled(_));
+        sampled
+            && self.pace == Pace::Ahead
+            && self.nodes[place].is_transmitting()
+            && self.compute_ahead(place, until, observer)
     }
 
     fn drive<O: Observer>(&mut self, place: usize, level: Level, observer: &mut O) {

@@ -1,7 +1,8 @@
 //! canbaud finds the bit rate of any CAN or CAN FD bus, proves it, and never disturbs the bus.
 //!
 //! Reading order: [`units`] (every quantity has a type), [`wire`] (edges, bits, frames),
-//! [`detect`] (the verdict), [`timing`] (bit timing and registers of controllers).
+//! [`detect`] (the verdict), [`timing`] (bit timing and registers of controllers), [`lss`] (the bit
+//! rate and node-ID of CANopen devices).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -9,6 +10,10 @@
 extern crate std;
 
 pub mod detect;
+pub mod fault;
+mod fixed;
+pub mod lss;
+pub mod node;
 pub mod rates;
 pub mod timing;
 pub mod units;

@@ -2,7 +2,7 @@
 
 use std::io;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use canbaud::detect::scan::{
     Candidate, Capabilities, Capture, Configured, Controller, Evidence, Observation, RateChoice,
@@ -165,6 +165,20 @@ impl SocketCanListener {
         Ok(count.map(Observation::ReceiveErrors))
     }
 
+    /// Throws away what the adapter still had in its queue.
+    fn settle(&mut self) -> Result<(), LinkError> {
+        let end = Instant::now() + self.profile.settle;
+        let Some(socket) = &self.socket else { return Ok(()) };
+        let drain = || loop {
+            while socket.receive()?.is_some() && Instant::now() < end {}
+            match end.checked_duration_since(Instant::now()) {
+                None | Some(Duration::ZERO) => return Ok(()),
+                Some(left) => socket.wait(left)?,
+            }
+        };
+        drain().map_err(|error| self.broken(error))
+    }
+
     /// Why the socket does not work any more.
     fn broken(&mut self, error: io::Error) -> LinkError {
         match self.read_back() {
@@ -247,6 +261,7 @@ impl Controller for SocketCanListener {
             return Err(self.state("somebody else changed the interface during the scan"));
         }
         self.socket = Some(RawSocket::open(&self.link.name, self.link.index)?);
+        self.settle()?;
         self.counter = Counter { due: self.clock.now(), last: None };
         Ok(())
     }

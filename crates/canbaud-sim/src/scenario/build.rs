@@ -12,10 +12,11 @@ use super::model::{
     File, FormatName, GateName, ModeName, NodeTable, RecoveryName, ReplyTable, RetransmissionName,
     TimingTable, TrafficKind, TrafficTable, WireName,
 };
-use super::{ScenarioError, line_of};
+use super::{ScenarioError, line_of, lss};
 use crate::bus::Transceiver;
 use crate::device::{Program, Reply};
 use crate::event::NodeId;
+use crate::lss_device::LssSetup;
 use crate::node::{
     FdSupport, Gate, Mode, MonitoringCounters, NodeConfig, Oscillator, Recovery, Retransmission,
     Tdc, Wire,
@@ -37,6 +38,7 @@ pub(super) struct Member {
     pub(super) program: Program,
     pub(super) replies: Vec<Reply>,
     pub(super) boot_up: Option<u8>,
+    pub(super) lss: Option<LssSetup>,
 }
 
 /// A stream of requests of a scenario.
@@ -101,7 +103,7 @@ impl Scenario {
 }
 
 /// What is wrong with a table; the line is added where the table is known.
-type Outcome<T> = Result<T, String>;
+pub(super) type Outcome<T> = Result<T, String>;
 
 pub(super) fn build(name: &str, text: &str, file: &File) -> Result<Scenario, ScenarioError> {
     let at_line = |start: usize, what: String| ScenarioError {
@@ -160,13 +162,13 @@ fn explicit(table: &TimingTable) -> Outcome<BitTiming> {
     BitTiming::new(prescaler, prop_seg, phase_seg1, phase_seg2, sjw).map_err(|e| e.to_string())
 }
 
-fn timing_for(clock: u64, rate: Bitrate, permille: u16) -> Outcome<BitTiming> {
+pub(super) fn timing_for(clock: u64, rate: Bitrate, permille: u16) -> Outcome<BitTiming> {
     let sample_point = Permille::new(permille).unwrap_or_default();
     BitTiming::find(clock, rate.bits_per_second(), sample_point).map_err(|e| e.to_string())
 }
 
 /// Sample points of CANopen: 75 % at 1 Mbit/s, 80 % above 500 kbit/s, else 87.5 % [Koppe, table 1].
-fn usual_sample_point(rate: Bitrate) -> u16 {
+pub(super) fn usual_sample_point(rate: Bitrate) -> u16 {
     match rate.bits_per_second() {
         0..=500_000 => 875,
         500_001..=800_000 => 800,
@@ -223,13 +225,21 @@ fn member(table: &NodeTable, scenario: &Scenario) -> Outcome<Member> {
         wire: Wire::Connected,
     };
     let program = program(table, hertz)?;
-    let replies = table.reply.iter().map(reply).collect::<Outcome<_>>()?;
+    let replies: Vec<_> = table.reply.iter().map(reply).collect::<Outcome<_>>()?;
     let boot_up = table.autobaud.as_ref().and_then(|autobaud| autobaud.boot_up);
     if boot_up.is_some_and(|id| !(1..=127).contains(&id)) {
         return Err("boot_up is a node-ID, allowed are 1 to 127".into());
     }
     let joins = table.joins.map(|span| Time::ZERO + span.0);
-    Ok(Member { config, tec: table.tec, rec: table.rec, joins, program, replies, boot_up })
+    let lss = match &table.lss {
+        Some(_) if program != Program::Fixed || !replies.is_empty() => {
+            return Err("give lss, or autobaud, fallback and reply, not both".into());
+        }
+        Some(lss) => Some(lss::setup(lss, table.bitrate.map(|rate| rate.0), hertz)?),
+        None => None,
+    };
+    let (tec, rec) = (table.tec, table.rec);
+    Ok(Member { config, tec, rec, joins, program, replies, boot_up, lss })
 }
 
 fn timings(table: &NodeTable, hertz: u64) -> Outcome<(BitTiming, Option<BitTiming>)> {

@@ -146,6 +146,15 @@ impl Frame {
         Ok(Self { id, kind, dlc, data: bytes })
     }
 
+    /// A classic data frame of eight bytes; only the lower 11 bits of `id` count.
+    pub(crate) const fn of_eight(id: u16, bytes: [u8; 8]) -> Self {
+        let [a, b, c, d, e, f, g, h] = bytes;
+        let mut data = [0; 64];
+        (data[0], data[1], data[2], data[3]) = (a, b, c, d);
+        (data[4], data[5], data[6], data[7]) = (e, f, g, h);
+        Self { id: Id::Base(id & 0x7FF), kind: FrameKind::Data, dlc: 8, data }
+    }
+
     /// Data bytes that a frame of `kind` with `dlc` carries [ISO 11898-1, coding of the DLC].
     #[must_use]
     pub const fn data_length(kind: FrameKind, dlc: u8) -> usize {

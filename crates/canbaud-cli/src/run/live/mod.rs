@@ -24,10 +24,10 @@ use crate::report::LiveReport;
 pub(crate) use args::LiveArgs;
 pub(super) use failure::link_error;
 pub(crate) use source::LiveSource;
+pub(crate) use stop::Stop;
 
 use find::{Ended, Finding};
 use plan::Plan;
-use stop::Stop;
 use watch::Watch;
 
 /// Finds the rate of the bus at `source`.

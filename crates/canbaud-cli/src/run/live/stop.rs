@@ -8,13 +8,13 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// Whether a signal came.
 #[derive(Debug)]
-pub(super) struct Stop {
+pub(crate) struct Stop {
     signal: Arc<AtomicUsize>,
 }
 
 impl Stop {
     /// From now on signals are noted instead of ending the program.
-    pub(super) fn install() -> io::Result<Self> {
+    pub(crate) fn install() -> io::Result<Self> {
         let signal = Arc::new(AtomicUsize::new(0));
         let mut wanted = vec![SIGINT, SIGTERM];
         #[cfg(unix)]
@@ -28,7 +28,7 @@ impl Stop {
     }
 
     /// The number of the signal that came.
-    pub(super) fn signal(&self) -> Option<u8> {
+    pub(crate) fn signal(&self) -> Option<u8> {
         match self.signal.load(Ordering::Relaxed) {
             0 => None,
             number => Some(u8::try_from(number).unwrap_or(u8::MAX)),

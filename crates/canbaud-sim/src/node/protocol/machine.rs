@@ -80,8 +80,13 @@ pub(crate) enum Quiet {
     Anyway(u32),
     /// So many, as long as no edge to dominant comes.
     WhileRecessive(u32),
-    /// So many, as long as the node's own dominant level holds the line.
-    WhileDominant(u32),
+}
+
+/// The part of protocol control that reading changes.
+#[derive(Debug, Clone)]
+pub(crate) struct Reading {
+    state: State,
+    reader: Reader,
 }
 
 /// The settings that protocol control needs.
@@ -178,10 +183,7 @@ impl Protocol {
     #[inline]
     pub(crate) fn quiet(&self) -> Quiet {
         match self.state {
-            State::Frame => match &self.sending {
-                None => Quiet::Anyway(self.reader.quiet_bits()),
-                Some(sending) => self.quiet_sending(sending),
-            },
+            State::Frame if self.sending.is_none() => Quiet::Anyway(self.reader.quiet_bits()),
             // EOF of a receiver has an event at bit 6, that of the transmitter one at bit 7.
             State::EndOfFrame { bit: bit @ ..=5 } if self.sending.is_none() => {
                 Quiet::WhileRecessive(6 - u32::from(bit))
@@ -200,33 +202,45 @@ impl Protocol {
         }
     }
 
-    /// Past the arbitration, bits of the level that is driven already.
+    /// Takes up to `bits` bits of one level, as long as nothing comes of them; returns how many
+    /// were taken. If they are fewer than `bits`, the one after them was begun and must be undone.
     #[inline]
-    fn quiet_sending(&self, sending: &Sending) -> Quiet {
-        if self.rate == Rate::Data || self.reader.place() == Place::Arbitration {
-            return Quiet::Anyway(0);
+    pub(crate) fn read_quiet(&mut self, level: Level, bits: u32) -> u32 {
+        if matches!(self.state, State::Frame) {
+            let (taken, step) = self.reader.push_run(level, bits);
+            return if taken < bits && self.goes_on_quietly(step) { taken + 1 } else { taken };
         }
-        let bits = sending.same_level_ahead().min(self.reader.quiet_bits());
-        match sending.level() {
-            Level::Recessive => Quiet::WhileRecessive(bits),
-            Level::Dominant => Quiet::WhileDominant(bits),
+        for taken in 0..bits {
+            match (self.state, level) {
+                // The acknowledgement is decided on, or eleven recessive bits are complete.
+                (State::CrcDelimiter, _)
+                | (State::Integrating { recessive: 10 }, Level::Recessive)
+                | (State::BusOff { recessive: 10, .. }, Level::Recessive) => return taken,
+                _ => self.sample(level, None),
+            }
+            debug_assert!(self.events.is_empty() && self.drive == Level::Recessive);
+        }
+        bits
+    }
+
+    /// Whether it takes bits in and gives nothing out until something comes of one of them.
+    pub(crate) fn listens(&self) -> bool {
+        match self.state {
+            State::Frame => self.sending.is_none(),
+            State::Integrating { .. } | State::BusOff { .. } => true,
+            _ => false,
         }
     }
 
-    /// Takes one of the bits that [`Protocol::quiet`] promised.
-    #[inline]
-    pub(crate) fn read_quiet(&mut self, level: Level) {
-        if matches!(self.state, State::Frame) {
-            let step = self.reader.push(level);
-            debug_assert_eq!(step, super::reader::Step::Continue);
-            if let Some(sending) = &mut self.sending {
-                debug_assert_eq!(sending.level(), level);
-                self.drive = sending.advance();
-            }
-        } else {
-            self.sample(level, None);
-            debug_assert!(self.events.is_empty() && self.drive == Level::Recessive);
-        }
+    /// What reading may change, to be kept.
+    pub(crate) fn reading(&self) -> Reading {
+        Reading { state: self.state, reader: self.reader.clone() }
+    }
+
+    /// Back to what was kept.
+    pub(crate) fn read_anew(&mut self, kept: Reading) {
+        self.state = kept.state;
+        self.reader = kept.reader;
     }
 
     /// Whether nothing happens without an edge or a request.

@@ -1,5 +1,6 @@
 //! Protocol control [ISO 11898-1]: what a node makes of each sampled bit, and what it drives next.
 
+mod alone;
 mod crc;
 mod flags;
 mod frame;
@@ -7,4 +8,5 @@ mod machine;
 mod reader;
 mod transmit;
 
-pub(crate) use machine::{Protocol, Quiet, Setup};
+pub(crate) use alone::{Alone, Score};
+pub(crate) use machine::{Protocol, Quiet, Reading, Setup};
