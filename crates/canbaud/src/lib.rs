@@ -24,3 +24,8 @@ pub mod wire;
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
+
+/// The examples of the guide to LSS compile.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/lss.md")]
+struct LssGuide;
