@@ -81,15 +81,17 @@ impl Protocol {
     /// The next bit of a listener that has read what the sender has sent, counted from SOF; `None`
     /// if it has read something else.
     pub(crate) fn in_step(&self, score: &Score) -> Option<u32> {
+        if self.state != State::Frame || self.reader.expects_res() {
+            return None;
+        }
         let read = self.reader.bits();
-        let may = self.state == State::Frame && !self.reader.expects_res();
         let (early, late) = (&self.reader, &score.before);
         let same = if read <= late.bits() {
             late.bits() - read <= LAG && score.leads(early, late)
         } else {
             read - late.bits() <= LAG && score.leads(late, early)
         };
-        (may && same).then_some(read)
+        same.then_some(read)
     }
 
     /// A listener in step has sampled all bits before `bit`. False if something came of that, or

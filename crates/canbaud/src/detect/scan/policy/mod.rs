@@ -58,10 +58,16 @@ impl<const N: usize> Scan<N> {
         }
     }
 
-    /// The receive error counter rose by `rise`.
-    pub(super) fn counted(&mut self, step: &mut Step, at: Micros, rise: u16) -> Decision {
+    /// The receive error counter rose by `rise`, perhaps as far as it goes.
+    pub(super) fn counted(
+        &mut self,
+        step: &mut Step,
+        at: Micros,
+        rise: u16,
+        saturated: bool,
+    ) -> Decision {
         match self.policy() {
-            Policy::Weighing => self.weighing_counted(step, at, rise),
+            Policy::Weighing => self.weighing_counted(step, at, rise, saturated),
             Policy::Koppe => self.koppe_error(step),
             Policy::FixedDwell => Decision::Stay,
             Policy::Survey => self.survey_error(step),

@@ -261,16 +261,11 @@ impl<'a> Fastscan<'a> {
         }
     }
 
-    /// Whether an answer so soon belongs to the request before: that one was given up early, or
-    /// several devices answer.
+    /// Whether an answer so soon belongs to the request before, which was given up early.
     fn is_stray(&self, round_trip: Micros) -> bool {
-        let possible = match (self.phase, self.before) {
-            // Each "begin" means the same: whichever this one answers, it teaches how long they take.
-            (Phase::Begin { .. }, _) => false,
-            (_, Before::GivenUp) => true,
-            (_, Before::Settled) => self.rhythm.settle() > Micros(0),
-        };
-        possible && self.rhythm.is_too_early(round_trip)
+        // Each "begin" means the same: whichever this one answers, it teaches how long they take.
+        let begins = matches!(self.phase, Phase::Begin { .. });
+        !begins && self.before == Before::GivenUp && self.rhythm.is_too_early(round_trip)
     }
 
     /// What answers the request that is out.
