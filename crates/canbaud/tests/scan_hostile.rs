@@ -97,14 +97,21 @@ struct World {
 const T_CC: Micros = Micros(900);
 
 impl World {
-    fn new(evidence: Evidence, latency: Micros, settings: Settings) -> Self {
+    fn new(
+        evidence: Evidence,
+        latency: Micros,
+        settings: Settings,
+        data_rates: &[Bitrate],
+    ) -> Self {
         let rates = RateChoice::Between(Bitrate::new(1).unwrap(), Bitrate::new(1_000_000).unwrap());
         let fd = FdSupport::Fd;
         let capabilities = Capabilities { rates, evidence, fd, reconfiguration: T_CC, latency };
         let nominal = [125_000, 250_000, 500_000].map(|rate| Bitrate::new(rate).unwrap());
-        let data = [1_000_000, 2_000_000].map(|rate| Bitrate::new(rate).unwrap());
-        let pairs = Candidates::<8>::of_rates(&nominal).unwrap().with_data(&data).unwrap();
-        let scan = Scan::new(&pairs, &capabilities, settings);
+        let mut list = Candidates::<8>::of_rates(&nominal).unwrap();
+        if !data_rates.is_empty() {
+            list = list.with_data(data_rates).unwrap();
+        }
+        let scan = Scan::new(&list, &capabilities, settings);
         let start = Micros::from_ms(10_000);
         Self { scan, now: start, start: None, listening: None, heard: Vec::new(), latency }
     }
@@ -195,6 +202,10 @@ impl World {
     }
 }
 
+fn data() -> [Bitrate; 2] {
+    [1_000_000, 2_000_000].map(|rate| Bitrate::new(rate).unwrap())
+}
+
 fn settings() -> impl Strategy<Value = Settings> {
     let policy = prop::sample::select(Policy::ALL.to_vec());
     let end = prop::sample::select(vec![End::AtBound, End::Never]);
@@ -221,7 +232,7 @@ proptest! {
         settings in settings(),
         events in prop::collection::vec(event(), 0..400),
     ) {
-        let mut world = World::new(evidence, Micros(latency), settings);
+        let mut world = World::new(evidence, Micros(latency), settings, &data());
         for event in &events {
             world.take(event);
             world.check();
@@ -235,7 +246,7 @@ proptest! {
         settings in settings(),
         events in prop::collection::vec(event(), 1..200),
     ) {
-        let mut world = World::new(evidence, Micros(0), settings);
+        let mut world = World::new(evidence, Micros(0), settings, &data());
         let Some(bound) = world.scan.bound() else { return Ok(()) };
         world.poll();
         let start = world.start.unwrap();
@@ -271,7 +282,7 @@ proptest! {
         copies in 1..6_usize,
         gap in 300..5_000_u64,
     ) {
-        let mut world = World::new(Evidence::Errors, Micros(0), Settings::default());
+        let mut world = World::new(Evidence::Errors, Micros(0), Settings::default(), &[]);
         world.poll();
         world.now = world.now + Micros(5_000);
         let first = world.now;
