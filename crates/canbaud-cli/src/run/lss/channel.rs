@@ -86,6 +86,9 @@ impl Channel {
                 })?;
                 Box::new(SlcanBus::open(port, *baud, bitrate)?)
             }
+            Self::Live(LiveSource::Replay { .. }) => {
+                return Err(Trouble::Usage("a recording takes no frames".to_owned()));
+            }
             Self::Multicast(group, port) => Box::new(MulticastBus::join(*group, *port)?),
         })
     }
@@ -97,7 +100,7 @@ impl Channel {
             Self::Live(LiveSource::Interface(name)) => {
                 name.starts_with("vcan") || name.starts_with("vxcan")
             }
-            Self::Live(LiveSource::Slcan { .. }) => false,
+            Self::Live(LiveSource::Slcan { .. } | LiveSource::Replay { .. }) => false,
             Self::Multicast(..) => true,
         }
     }
