@@ -2,7 +2,8 @@
 
 use core::cmp::Ordering;
 
-use crate::clock::{Clock, Quantum, Tick};
+use super::segments::Segments;
+use crate::clock::{Clock, Tick};
 use crate::time::{Span, Time};
 use crate::timing::BitTiming;
 
@@ -49,40 +50,6 @@ pub enum SyncOutcome {
     },
     /// The node sends dominant and the phase error is positive, or it does not synchronise now.
     Ignored,
-}
-
-/// Equal bits in a row that stuffing allows.
-const RUN: usize = 5;
-
-/// A bit timing in the quanta of one clock.
-#[derive(Debug, Clone)]
-struct Segments {
-    quantum: Quantum,
-    /// So many whole bits, as often as stuffing allows equal ones.
-    bits: [Quantum; RUN + 1],
-    /// From a sample point to the start of the next bit.
-    to_start: Quantum,
-    sample: u64,
-    phase_seg2: u64,
-    sjw: u64,
-}
-
-impl Segments {
-    fn new(clock: &Clock, timing: &BitTiming) -> Self {
-        let quanta = |count: u32| clock.quantum(timing.prescaler() * count);
-        Self {
-            quantum: quanta(1),
-            bits: core::array::from_fn(|bits| quanta(bits as u32 * timing.quanta())),
-            to_start: quanta(timing.phase_seg2()),
-            sample: timing.sample_quanta().into(),
-            phase_seg2: timing.phase_seg2().into(),
-            sjw: timing.sjw().into(),
-        }
-    }
-
-    const fn total(&self) -> u64 {
-        self.sample + self.phase_seg2
-    }
 }
 
 /// Where a node is in its bit: the bit whose sample point comes next.

@@ -10,6 +10,7 @@ mod follow;
 mod late;
 mod protocol;
 mod sampling;
+mod segments;
 mod steps;
 
 pub(crate) use alone::{Change, Plan};

@@ -129,7 +129,7 @@ impl Simulation {
     }
 
     /// Tells the observer what happened, in the order in which it did.
-    fn tell<O: Observer>(&mut self, sender: usize, observer: &mut O) {
+    fn tell<O: Observer>(&self, sender: usize, observer: &mut O) {
         let mut told = SamplesInOrder::new(&self.ahead.samples);
         for change in &self.ahead.changes {
             if O::SAMPLES {

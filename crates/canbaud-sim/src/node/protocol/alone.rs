@@ -104,18 +104,6 @@ impl Protocol {
         self.goes_on_quietly(step)
     }
 
-    /// Whether nothing came of a bit of a frame but, perhaps, the end of the CRC field.
-    pub(super) fn goes_on_quietly(&mut self, step: Step) -> bool {
-        match step {
-            Step::Continue => true,
-            Step::End => {
-                self.state = State::CrcDelimiter;
-                true
-            }
-            Step::DataRate | Step::Error(..) | Step::Exception => false,
-        }
-    }
-
     /// A sender inside of its frame, and how many bits lie before the end of the CRC field, where
     /// others may drive the bus, too.
     pub(crate) fn alone(&self) -> Option<(Alone, u32)> {

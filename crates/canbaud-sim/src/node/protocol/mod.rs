@@ -5,8 +5,10 @@ mod crc;
 mod flags;
 mod frame;
 mod machine;
+mod quiet;
 mod reader;
 mod transmit;
 
 pub(crate) use alone::{Alone, Score};
-pub(crate) use machine::{Protocol, Quiet, Reading, Setup};
+pub(crate) use machine::{Protocol, Setup};
+pub(crate) use quiet::{Quiet, Reading};
