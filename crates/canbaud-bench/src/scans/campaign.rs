@@ -67,13 +67,16 @@ impl Campaign {
 pub fn random(number: u64) -> Trial {
     let mut rng = Rng::for_purpose(number, 77);
     let mut pick = |limit: u64| rng.below(limit) as usize;
-    let evidence = [Evidence::Errors, Evidence::Errors, Evidence::Counter, Evidence::FramesOnly];
     let stamps = [Stamps::Hardware, Stamps::Arrival, Stamps::None];
     let mut adapter = match pick(2) {
         0 => Adapter::embedded(),
         _ => Adapter::usb(Evidence::Errors),
     };
-    adapter.evidence = evidence[pick(4)];
+    adapter.evidence = match pick(8) {
+        0..=4 => Evidence::Errors,
+        5 | 6 => Evidence::Counter,
+        _ => Evidence::FramesOnly,
+    };
     adapter.counters = Adapter::usb(Evidence::Counter).counters;
     adapter.stamps = stamps[pick(3)];
     adapter.fifo = [Fifo::Kept, Fifo::Cleared][pick(2)];
@@ -87,7 +90,7 @@ pub fn random(number: u64) -> Trial {
         bitrate: RATES[pick(8)],
         load: Load::Permille([10, 20, 50, 100, 200, 350, 500, 650, 800, 900][pick(10)]),
         content: if pick(10) == 0 { Content::Same } else { Content::Random },
-        audience: if pick(10) == 0 { Audience::Nobody } else { Audience::Acknowledges },
+        audience: if pick(50) == 0 { Audience::Nobody } else { Audience::Acknowledges },
         destroyed: [0, 0, 10, 50][pick(4)],
         adapter,
         settings: Settings { last_known, ..Settings::default() },

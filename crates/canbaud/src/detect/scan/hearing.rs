@@ -86,6 +86,7 @@ impl<const N: usize> Scan<N> {
             step.edges = step.edges.saturating_add(count);
             step.edges_since = step.edges_since.or(Some(now));
             self.traffic.last = Some(now);
+            self.traffic.edges = true;
         }
         Decision::Stay
     }

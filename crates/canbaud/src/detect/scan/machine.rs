@@ -75,6 +75,8 @@ pub(super) struct Traffic {
     pub(super) pause: Micros,
     /// The controller has told an error or a counter that moved: it does tell.
     pub(super) tells: bool,
+    /// It has told edges.
+    pub(super) edges: bool,
     /// The controller has told an error in the arbitration field: it tells that apart.
     pub(super) tells_arbitration: bool,
 }
@@ -264,11 +266,17 @@ impl<const N: usize> Scan<N> {
     fn go_on(&mut self, now: Micros) {
         let late = self.visits > 0 && now + self.reconfiguration >= self.ends_at();
         self.state = match self.next() {
-            None if self.traffic.last.is_some() => return self.end(self.without_verdict()),
+            None if self.candidates_remain() => return self.end(self.without_verdict()),
             None => return self.end(Outcome::Refused),
             Some(_) if late || self.all_refuted() => return self.end(self.without_verdict()),
             Some(to) => State::Switching { to, since: now, told: false },
         };
+    }
+
+    /// Some were not refused; others may have been ruled out.
+    fn candidates_remain(&self) -> bool {
+        let count = self.candidates.as_slice().len();
+        self.tracks.iter().take(count).any(|track| !track.refused)
     }
 
     fn end(&mut self, outcome: Outcome) {

@@ -44,7 +44,8 @@ impl<const N: usize> Scan<N> {
     }
 
     pub(super) fn without_verdict(&self) -> Outcome {
-        if self.traffic.last.is_some() {
+        // A lone frame that nothing confirmed is no sign that the others were missed.
+        if self.traffic.tells || self.traffic.edges {
             return Outcome::NoCandidateFits(Misfit { perhaps_fd: self.perhaps_fd() });
         }
         match self.evidence {
