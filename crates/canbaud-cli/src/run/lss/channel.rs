@@ -35,7 +35,11 @@ impl FromStr for Channel {
             LiveSource::parse(Path::new(text))
         };
         let wanted = "a channel is wanted: can0, slcan:/dev/ttyACM0 or udp:239.74.163.2:43113";
-        source.map(Self::Live).ok_or_else(|| wanted.to_owned())
+        match source {
+            Some(LiveSource::Replay { .. }) => Err("nothing can be sent to a recording".to_owned()),
+            Some(source) => Ok(Self::Live(source)),
+            None => Err(wanted.to_owned()),
+        }
     }
 }
 
@@ -86,6 +90,9 @@ impl Channel {
                 })?;
                 Box::new(SlcanBus::open(port, *baud, bitrate)?)
             }
+            Self::Live(LiveSource::Replay { .. }) => {
+                return Err(Trouble::Usage("nothing can be sent to a recording".to_owned()));
+            }
             Self::Multicast(group, port) => Box::new(MulticastBus::join(*group, *port)?),
         })
     }
@@ -97,7 +104,7 @@ impl Channel {
             Self::Live(LiveSource::Interface(name)) => {
                 name.starts_with("vcan") || name.starts_with("vxcan")
             }
-            Self::Live(LiveSource::Slcan { .. }) => false,
+            Self::Live(LiveSource::Slcan { .. } | LiveSource::Replay { .. }) => false,
             Self::Multicast(..) => true,
         }
     }
@@ -119,7 +126,7 @@ mod tests {
         }
         let udp = Channel::Multicast(Ipv4Addr::new(239, 0, 0, 1), 5000);
         assert_eq!("udp:239.0.0.1:5000".parse(), Ok(udp));
-        for bad in ["udp:10.0.0.1", "udp:239.0.0.1:x", "bus.sr"] {
+        for bad in ["udp:10.0.0.1", "udp:239.0.0.1:x", "bus.sr", "replay:bus.sr"] {
             assert!(bad.parse::<Channel>().is_err(), "{bad}");
         }
     }
