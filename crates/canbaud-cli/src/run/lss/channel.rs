@@ -45,8 +45,8 @@ impl FromStr for Channel {
         match source {
             Some(LiveSource::Interface(name)) => Ok(Self::Interface(name)),
             Some(LiveSource::Slcan { port, baud }) => Ok(Self::Slcan { port, baud }),
-            // Nobody hears what is sent to a recording.
-            Some(LiveSource::Replay { .. }) | None => Err(wanted.to_owned()),
+            Some(LiveSource::Replay { .. }) => Err("nothing can be sent to a recording".to_owned()),
+            None => Err(wanted.to_owned()),
         }
     }
 }
