@@ -4,6 +4,7 @@
 use serde_json::Value;
 
 pub(crate) const DETECT: &str = include_str!("../../../schemas/detect.schema.json");
+pub(crate) const SCAN: &str = include_str!("../../../schemas/scan.schema.json");
 pub(crate) const TIMING: &str = include_str!("../../../schemas/timing.schema.json");
 pub(crate) const DECODE: &str = include_str!("../../../schemas/decode.schema.json");
 

@@ -2,7 +2,8 @@
 //!
 //! Reading order: [`units`] (every quantity has a type), [`wire`] (edges, bits, frames),
 //! [`detect`] (the verdict), [`timing`] (bit timing and registers of controllers), [`lss`] (the bit
-//! rate and node-ID of CANopen devices).
+//! rate and node-ID of CANopen devices), [`node`] (a device that does all of it by itself; [`fault`]
+//! is the error confinement behind it).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -10,7 +11,10 @@
 extern crate std;
 
 pub mod detect;
+pub mod fault;
+mod fixed;
 pub mod lss;
+pub mod node;
 pub mod rates;
 pub mod timing;
 pub mod units;

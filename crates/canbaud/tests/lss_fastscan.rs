@@ -143,6 +143,21 @@ fn slow_and_fast_devices_are_told_apart() {
     }
 }
 
+/// Seen with processes on vcan: the first answers take 10 ms, all others a fraction of one.
+#[test]
+fn a_slow_start_of_several_devices_is_not_held_against_them() {
+    for seed in 0..20 {
+        let mut chance = Chance::new(seed + 9_000);
+        let addresses = [address(&mut chance), address(&mut chance), address(&mut chance)];
+        let way = Way { round_trip: (150, 250), ..Way::STEADY };
+        let mut bus = Bus::new(&addresses, way, seed);
+        bus.slow_start = 10_000;
+        let found = bus.fastscan(adaptive()).unwrap().unwrap();
+        assert!(addresses.contains(&found.address), "seed {seed}");
+        assert_eq!(found.statistics.restarts, 0, "seed {seed}");
+    }
+}
+
 #[test]
 fn a_known_address_takes_few_requests() {
     let address = LssAddress::new(0x1A2B_3C4D, 0x00C0_FFEE, 0x0002_0001, 0x1234);

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use canbaud::detect::scan::{
-    Driver, FdSeen, Found, Misfit, Outcome as Said, Progress, Scan, Standing,
+    Driver, FdSeen, FdSupport, Found, Misfit, Outcome as Said, Progress, Scan, Standing,
 };
 use canbaud::rates;
 use canbaud::units::{Bitrate, Micros};
@@ -48,6 +48,7 @@ struct Stages {
     tried: Vec<Standing>,
     bound: Option<Micros>,
     visits: u32,
+    elapsed: Micros,
 }
 
 impl Finding<'_> {
@@ -67,11 +68,9 @@ impl Finding<'_> {
                 all.then(next);
             }
         }
-        if let (Stage::Said(Said::Found(found)), false) = (&all.stage, plan.data.is_empty())
-            && found.fd != FdSeen::Switched
-            && found.errors > 0
-        {
-            let next = self.stage(listener, &plan.with_data(found.nominal()), plan, watch)?;
+        let nominals = all.without_data_rate();
+        if !plan.data.is_empty() && !nominals.is_empty() {
+            let next = self.stage(listener, &plan.with_data(&nominals), plan, watch)?;
             all.then(next);
         }
         if let Stage::Stopped(signal) = all.stage {
@@ -111,7 +110,7 @@ impl Finding<'_> {
         };
         let status = driver.scan().status(clock.now());
         let tried = driver.scan().standings().filter(|one| one.visits > 0 || one.refused).collect();
-        Ok(Stages { stage, tried, bound, visits: status.visits })
+        Ok(Stages { stage, tried, bound, visits: status.visits, elapsed: status.elapsed })
     }
 
     fn report(
@@ -127,7 +126,7 @@ impl Finding<'_> {
             outcome: Outcome::Undecided,
             need: None,
             found: None,
-            elapsed: self.clock.now(),
+            elapsed: all.elapsed,
             bound: all.bound,
             visits: all.visits,
             tried: all.tried.clone(),
@@ -158,6 +157,12 @@ impl Finding<'_> {
                 report.need = Some("no verdict in the time that was given".to_owned());
             }
         }
+        if report.found.is_none()
+            && plan.data.is_empty()
+            && listener.capabilities().fd == FdSupport::Fd
+        {
+            caveat(&mut report, "no_fd", "CAN FD was not tried: --fd does.");
+        }
         if report.found.is_none() && !plan.left_out.is_empty() {
             let rates: Vec<String> =
                 plan.left_out.iter().map(|rate| bitrate(rate.bits_per_second())).collect();
@@ -168,11 +173,30 @@ impl Finding<'_> {
     }
 }
 
+/// Nominal rates that are tried with every data bit rate where none was found.
+const LIKELIEST: usize = 4;
+
 impl Stages {
+    /// Nominal rates at which frames may have been lost for another data bit rate.
+    fn without_data_rate(&self) -> Vec<Bitrate> {
+        match &self.stage {
+            Stage::Said(Said::Found(found)) if found.fd != FdSeen::Switched && found.errors > 0 => {
+                vec![found.nominal()]
+            }
+            Stage::Said(Said::NoCandidateFits(_)) => {
+                let mut tried = self.tried.clone();
+                tried.sort_by_key(|one| std::cmp::Reverse(one.weight));
+                tried.iter().take(LIKELIEST).map(|one| one.candidate.nominal).collect()
+            }
+            Stage::Said(_) | Stage::TimedOut | Stage::Stopped(_) => Vec::new(),
+        }
+    }
+
     /// Adds the next stage; the rate stands where that finds none.
     fn then(&mut self, next: Self) {
         self.tried.extend(next.tried);
         self.visits = self.visits.saturating_add(next.visits);
+        self.elapsed = self.elapsed + next.elapsed;
         self.bound = self.bound.zip(next.bound).map(|(first, second)| first + second);
         if matches!(next.stage, Stage::Said(Said::Found(_)) | Stage::Stopped(_)) {
             self.stage = next.stage;

@@ -79,12 +79,14 @@ impl Plan {
         list
     }
 
-    /// All data bit rates at the nominal one that was found.
-    pub(super) fn with_data(&self, nominal: Bitrate) -> List {
+    /// All data bit rates at each of these nominal ones.
+    pub(super) fn with_data(&self, nominals: &[Bitrate]) -> List {
         let mut list = List::new();
-        for data in self.data.iter().filter(|data| **data >= nominal) {
-            // Thirteen.
-            let _ = list.push(Candidate { data: Some(*data), ..Candidate::classic(nominal) });
+        for nominal in nominals {
+            for data in self.data.iter().filter(|data| *data >= nominal) {
+                // Thirteen for each of four at most.
+                let _ = list.push(Candidate { data: Some(*data), ..Candidate::classic(*nominal) });
+            }
         }
         list
     }

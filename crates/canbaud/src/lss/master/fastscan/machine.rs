@@ -263,7 +263,9 @@ impl<'a> Fastscan<'a> {
 
     /// Whether an answer so soon belongs to the request before, which was given up early.
     fn is_stray(&self, round_trip: Micros) -> bool {
-        self.before == Before::GivenUp && self.rhythm.is_too_early(round_trip)
+        // Each "begin" means the same: whichever this one answers, it teaches how long they take.
+        let begins = matches!(self.phase, Phase::Begin { .. });
+        !begins && self.before == Before::GivenUp && self.rhythm.is_too_early(round_trip)
     }
 
     /// What answers the request that is out.

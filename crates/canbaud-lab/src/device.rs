@@ -1,0 +1,408 @@
+//! A device: controller, timer and memory of the simulator, with [`canbaud::node::Node`] inside.
+
+use canbaud::detect::scan::{
+    Candidate, Configured, ErrorSeen, Evidence, FrameSeen, Observation, Origin,
+};
+use canbaud::fault;
+use canbaud::lss::{RateSetting, Slave, SlaveAction};
+use canbaud::node::{Action, Input, NmtState, Node, Sending, Settings, Stage, load, save};
+use canbaud::timing::default_sample_point;
+use canbaud::units::{Bitrate, Permille};
+use canbaud::wire::{Frame, Level};
+use canbaud_sim::around::CaptureTimer;
+use canbaud_sim::{BitTiming, Event, FaultState, Gate, Mode, NodeConfig, Simulation, Span, Time};
+
+use crate::config::{DeviceConfig, Listener};
+use crate::controller::{Purpose, blank, class, frame, logic, mode, where_at};
+use crate::lss::{StoredConfiguration, slave};
+use crate::memory::Memory;
+use crate::time::{micros, time};
+
+/// Who else took part at a rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Company {
+    /// Nobody: it was the first, or its rate is wrong.
+    Nobody,
+    /// Somebody.
+    Somebody,
+}
+
+/// A device began to take part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Joined {
+    /// When it decided to.
+    pub at: Time,
+    /// At which rate.
+    pub bitrate: Bitrate,
+    /// Who else took part at it.
+    pub company: Company,
+}
+
+/// A device on a simulated bus.
+#[derive(Debug)]
+pub struct Device {
+    config: DeviceConfig,
+    id: canbaud_sim::NodeId,
+    software: Option<Node>,
+    timer: Option<CaptureTimer>,
+    memory: Memory,
+    /// The controller will be like this then.
+    switching: Option<(Time, NodeConfig, Configured)>,
+    /// Sent by [`Action::Send`] and not yet acknowledged.
+    under_way: Option<Frame>,
+    lss: Option<Slave>,
+    stored: StoredConfiguration,
+    /// The LSS slave waits for the detection that it has asked for.
+    lss_waits: bool,
+    next_pdo: Time,
+    pdo_pending: bool,
+    counter: u8,
+    joined: Vec<Joined>,
+    line: Level,
+}
+
+impl Device {
+    /// Puts a device on the bus, switched off.
+    ///
+    /// # Errors
+    /// [`canbaud_sim::ClockError`] if its clock is impossible.
+    pub fn new(
+        config: DeviceConfig,
+        sim: &mut Simulation,
+    ) -> Result<Self, canbaud_sim::ClockError> {
+        let mut node = blank(&config);
+        node.mode = Mode::Disabled;
+        let id = sim.add_node(node)?;
+        sim.watch(id);
+        let timer = match config.timer_hz {
+            Some(hz) => Some(CaptureTimer::new(hz, config.ppb, 64, Span::ZERO)?),
+            None => None,
+        };
+        Ok(Self {
+            config,
+            id,
+            software: None,
+            timer,
+            memory: Memory::new(),
+            switching: None,
+            under_way: None,
+            lss: None,
+            stored: StoredConfiguration(None),
+            lss_waits: false,
+            next_pdo: Time::NEVER,
+            pdo_pending: false,
+            counter: 0,
+            joined: Vec::new(),
+            line: Level::Recessive,
+        })
+    }
+
+    /// Its node on the bus.
+    #[must_use]
+    pub const fn id(&self) -> canbaud_sim::NodeId {
+        self.id
+    }
+
+    /// What it is made of.
+    #[must_use]
+    pub const fn config(&self) -> &DeviceConfig {
+        &self.config
+    }
+
+    /// Its software, while it has power.
+    #[must_use]
+    pub const fn software(&self) -> Option<&Node> {
+        self.software.as_ref()
+    }
+
+    /// Its software, to be told something else than what the network tells it.
+    pub const fn software_mut(&mut self) -> Option<&mut Node> {
+        self.software.as_mut()
+    }
+
+    /// Its memory.
+    pub const fn memory(&mut self) -> &mut Memory {
+        &mut self.memory
+    }
+
+    /// Gives it the memory of another life.
+    pub fn insert_memory(&mut self, memory: Memory) {
+        self.memory = memory;
+    }
+
+    /// How it is set from the next power-on on.
+    pub const fn settings(&mut self) -> &mut Settings {
+        &mut self.config.settings
+    }
+
+    /// Every time that it began to take part.
+    #[must_use]
+    pub fn joined(&self) -> &[Joined] {
+        &self.joined
+    }
+
+    /// Whether it is operational.
+    #[must_use]
+    pub fn is_operational(&self) -> bool {
+        self.software.as_ref().is_some_and(|node| {
+            matches!(node.stage(), Stage::TakingPart { nmt: Some(NmtState::Operational), .. })
+        })
+    }
+
+    /// Whether it must not drive the bus.
+    #[must_use]
+    pub fn must_be_silent(&self) -> bool {
+        self.software.as_ref().is_none_or(|node| !matches!(node.stage(), Stage::TakingPart { .. }))
+    }
+
+    /// Whether its timer follows the edges now.
+    #[must_use]
+    pub fn follows_edges(&self) -> bool {
+        self.timer.is_some() && self.software.is_some() && self.must_be_silent()
+    }
+
+    /// Power comes.
+    pub fn power_on(&mut self, sim: &mut Simulation) {
+        self.memory.power_on();
+        // A memory that cannot be read remembers nothing.
+        let kept = load::<_, 4>(&mut self.memory).unwrap_or_default();
+        let remembered = kept.and_then(|bytes| Bitrate::new(u32::from_le_bytes(bytes)));
+        let now = micros(sim.now());
+        self.software = Node::new(self.config.settings, remembered, now).ok();
+        self.lss = self.config.lss.map(|address| slave(address, &self.config.settings));
+        self.lss_waits = false;
+        self.next_pdo = sim.now();
+        self.turn(sim);
+    }
+
+    /// Power goes.
+    pub fn power_off(&mut self, sim: &mut Simulation) {
+        self.software = None;
+        self.lss = None;
+        self.switching = None;
+        self.forget_requests(sim);
+        self.set_up(sim, NodeConfig { mode: Mode::Disabled, ..blank(&self.config) });
+    }
+
+    fn forget_requests(&mut self, sim: &mut Simulation) {
+        sim.abort_requests(self.id);
+        self.under_way = None;
+        self.pdo_pending = false;
+    }
+
+    fn set_up(&self, sim: &mut Simulation, config: NodeConfig) {
+        // The oscillator was checked when the device was made.
+        let _ = sim.reconfigure_at(sim.now(), self.id, config);
+    }
+
+    /// The line changed, as the timer sees it.
+    pub fn edge(&mut self, at: Time, level: Level) {
+        self.line = level;
+        if let (Some(timer), Some(node)) = (&mut self.timer, &mut self.software)
+            && let Some(capture) = timer.edge(at, level)
+        {
+            node.edge(capture.ticks, logic(level));
+        }
+    }
+
+    /// When it has to be looked at.
+    #[must_use]
+    pub fn wake(&self) -> Time {
+        let Some(node) = &self.software else { return Time::NEVER };
+        let deadline = node.deadline().map_or(Time::NEVER, time);
+        let switching = self.switching.as_ref().map_or(Time::NEVER, |(at, ..)| *at);
+        let lss = self.lss.as_ref().map_or(Time::NEVER, |slave| time(slave.deadline()));
+        let pdo = if self.produces() { self.next_pdo } else { Time::NEVER };
+        deadline.min(switching).min(pdo).min(lss)
+    }
+
+    fn period(&self) -> Option<Span> {
+        self.config.sync.or(self.config.pdo)
+    }
+
+    fn produces(&self) -> bool {
+        self.period().is_some() && !self.pdo_pending && self.is_operational()
+    }
+
+    /// Something happened in its controller.
+    pub fn notice(&mut self, at: Time, event: &Event, sim: &Simulation) {
+        let Some(node) = &mut self.software else { return };
+        let now = micros(at);
+        let normal = sim.node(self.id).config().mode == Mode::Normal
+            && sim.node(self.id).config().gate != Gate::Closed;
+        let evidence = match (normal, self.config.listener) {
+            (false, Listener::Monitoring(evidence)) => evidence,
+            _ => Evidence::Errors,
+        };
+        let fault = sim.node(self.id).fault();
+        match event {
+            Event::Received { frame } => {
+                let seen = FrameSeen { frame: *frame, origin: Origin::Bus, received: Some(now) };
+                node.handle(now, &Input::Heard(Observation::Frame(seen)));
+                if let (Some(slave), true) = (&mut self.lss, normal) {
+                    slave.handle(now, frame, &mut self.stored);
+                }
+            }
+            Event::Error { kind, place, .. } if evidence == Evidence::Errors => {
+                let error =
+                    ErrorSeen { class: class(*kind), place: where_at(*place), received: Some(now) };
+                node.handle(now, &Input::Heard(Observation::Error(error)));
+            }
+            Event::Counted { rec, .. } if !normal && evidence == Evidence::Counter => {
+                node.handle(now, &Input::Heard(Observation::ReceiveErrors(*rec)));
+            }
+            Event::Counted { .. } if !normal => {}
+            Event::Counted { tec, rec, .. } => {
+                let state = fault::State::of(*tec, *rec);
+                // Bus-off is told by the controller itself.
+                if state != fault::State::BusOff {
+                    node.handle(now, &Input::Fault { state, tec: *tec, rec: *rec });
+                }
+            }
+            Event::Fault(state) if normal => {
+                let state = match state {
+                    FaultState::ErrorActive => fault::State::ErrorActive,
+                    FaultState::ErrorPassive => fault::State::ErrorPassive,
+                    FaultState::BusOff => fault::State::BusOff,
+                };
+                node.handle(now, &Input::Fault { state, tec: fault.tec(), rec: fault.rec() });
+            }
+            Event::Transmitted { frame } if self.under_way.as_ref() == Some(frame) => {
+                self.under_way = None;
+                node.handle(now, &Input::Sent);
+            }
+            Event::Transmitted { .. } => self.pdo_pending = false,
+            _ => {}
+        }
+    }
+
+    /// Does what is due.
+    pub fn turn(&mut self, sim: &mut Simulation) {
+        let now = micros(sim.now());
+        if let Some((_, config, configured)) = self.switching.take_if(|(at, ..)| *at <= sim.now()) {
+            self.set_up(sim, config);
+            if let Some(node) = &mut self.software {
+                node.handle(now, &Input::Ready(configured));
+            }
+        }
+        if let (Some(timer), Some(node)) = (&self.timer, &mut self.software)
+            && !matches!(node.stage(), Stage::TakingPart { .. })
+        {
+            node.timer(timer.ticks(sim.now()), logic(self.line));
+        }
+        while let Some(action) = self.software.as_mut().and_then(|node| node.poll(now)) {
+            self.act(&action, sim);
+        }
+        self.turn_lss(sim);
+        if self.produces() && self.next_pdo <= sim.now() {
+            self.produce(sim);
+        }
+    }
+
+    /// What the LSS slave wants.
+    fn turn_lss(&mut self, sim: &mut Simulation) {
+        let now = micros(sim.now());
+        if self.lss_waits && !self.must_be_silent() {
+            self.lss_waits = false;
+            self.lss.as_mut().into_iter().for_each(Slave::rate_found);
+        }
+        while let Some(action) = self.lss.as_mut().and_then(|slave| slave.poll(now)) {
+            let Some(node) = &mut self.software else { return };
+            match action {
+                SlaveAction::Send(frame) => sim.send_at(sim.now(), self.id, frame),
+                SlaveAction::StopSending => node.set_sending(Sending::Forbidden),
+                SlaveAction::ResumeSending => node.set_sending(Sending::Allowed),
+                SlaveAction::SwitchBitRate(rate) => {
+                    // The slave has offered only what can be.
+                    let _ = node.set_rate(rate, now);
+                    self.lss_waits = rate == RateSetting::Automatic;
+                }
+                SlaveAction::ResetCommunication(node_id) => {
+                    self.config.node_id = node_id;
+                    self.lss.as_mut().into_iter().for_each(Slave::reset_communication);
+                }
+            }
+            while let Some(action) = self.software.as_mut().and_then(|node| node.poll(now)) {
+                self.act(&action, sim);
+            }
+        }
+    }
+
+    fn act(&mut self, action: &Action, sim: &mut Simulation) {
+        match action {
+            Action::Stop => {
+                self.switching = None;
+                self.forget_requests(sim);
+                self.set_up(sim, NodeConfig { mode: Mode::Disabled, ..blank(&self.config) });
+            }
+            Action::Listen(candidate) => self.switch(candidate, Purpose::Listen, sim),
+            Action::TakePart(candidate) => {
+                let (at, bitrate) = (sim.now(), candidate.nominal);
+                let company = self.company(bitrate, sim);
+                self.joined.push(Joined { at, bitrate, company });
+                self.switch(candidate, Purpose::TakePart, sim);
+            }
+            Action::Send(frame) => {
+                self.under_way = Some(*frame);
+                sim.send_at(sim.now(), self.id, *frame);
+            }
+            Action::Remember(rate) => {
+                // Power may go meanwhile: the next power-on finds the old value or the new one.
+                let _ = save(&mut self.memory, &rate.bits_per_second().to_le_bytes());
+            }
+            Action::Reset(_) => {}
+        }
+    }
+
+    /// Who takes part at `bitrate`, by the controllers' bit timing.
+    fn company(&self, bitrate: Bitrate, sim: &Simulation) -> Company {
+        let others = sim.nodes().iter().enumerate().filter(|(place, _)| *place != self.id.0);
+        let mut others = others.map(|(_, node)| node.config()).filter(|config| config.can_drive());
+        let alike = |config: &NodeConfig| {
+            let periods = u64::from(config.nominal.prescaler() * config.nominal.quanta());
+            let rate = config.oscillator.hertz / periods;
+            rate.abs_diff(bitrate.bits_per_second().into()) <= rate / 100
+        };
+        if others.any(alike) { Company::Somebody } else { Company::Nobody }
+    }
+
+    fn switch(&mut self, candidate: &Candidate, purpose: Purpose, sim: &mut Simulation) {
+        self.forget_requests(sim);
+        let mut config = blank(&self.config);
+        self.set_up(sim, NodeConfig { mode: Mode::Disabled, ..config.clone() });
+        let rate = candidate.nominal.bits_per_second();
+        let point = Permille::new(default_sample_point(candidate.nominal).permille());
+        let timing = BitTiming::find(self.config.clock_hz, rate, point.unwrap_or_default());
+        let (Ok(timing), Some(mode)) = (timing, mode(self.config.listener, purpose)) else {
+            self.switching = None;
+            if let Some(node) = &mut self.software {
+                node.handle(micros(sim.now()), &Input::Refused);
+            }
+            return;
+        };
+        config.nominal = timing;
+        (config.mode, config.gate) = mode;
+        let made = self.config.clock_hz / u64::from(timing.prescaler() * timing.quanta());
+        let nominal = u32::try_from(made).ok().and_then(Bitrate::new);
+        let configured = Configured { nominal: nominal.unwrap_or(candidate.nominal), data: None };
+        self.switching = Some((sim.now() + self.config.reconfiguration, config, configured));
+    }
+
+    fn produce(&mut self, sim: &mut Simulation) {
+        let Some(period) = self.period() else { return };
+        self.counter = self.counter.wrapping_add(1);
+        let frame = match self.config.sync {
+            Some(_) => frame(0x080, &[self.counter]),
+            None => {
+                let id = 0x180 + u16::from(self.config.node_id.get() & 0x7F);
+                let counter = self.counter;
+                frame(id, &[counter, !counter, 0x5A, counter ^ 0x33, 0, 0, 0xFF, 1])
+            }
+        };
+        if let Some(frame) = frame {
+            sim.send_at(sim.now(), self.id, frame);
+            self.pdo_pending = true;
+        }
+        self.next_pdo = sim.now() + period;
+    }
+}
