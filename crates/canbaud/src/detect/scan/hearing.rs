@@ -93,7 +93,10 @@ impl<const N: usize> Scan<N> {
 
     fn sign_of_traffic(&mut self, step: &mut Step, at: Micros) {
         step.pause = at - step.heard;
-        self.traffic.pause = self.traffic.pause.max(step.pause);
+        if step.heard == step.since {
+            let known = if self.traffic.last.is_some() { self.traffic.pause } else { step.pause };
+            self.traffic.pause = Micros((known + step.pause).0 / 2);
+        }
         self.traffic.last = Some(at);
         step.heard = step.heard.max(at);
         (step.edges, step.edges_since) = (0, None);

@@ -63,9 +63,10 @@ fn too_slow(burst: &Burst, listened_at: Bitrate) -> i32 {
         1 => 0,
         // One in each frame of a loaded bus.
         _ if burst.is_sparse(listened_at) => -BIT,
-        2 | 3 => -2 * BIT,
         // On a loaded bus it does not find back, and takes one delimiter after the other amiss.
-        _ => -3 * BIT,
+        _ if !burst.is_single() => -BIT / 2,
+        2 | 3 => -2 * BIT,
+        _ => -4 * BIT,
     }
 }
 

@@ -70,8 +70,7 @@ pub(super) enum State {
 pub(super) struct Traffic {
     /// The last sign of it.
     pub(super) last: Option<Micros>,
-    /// The longest time listened without a sign of it, once there was one: about how far frames
-    /// are apart.
+    /// How long it takes until something is heard, of late: about how far frames are apart.
     pub(super) pause: Micros,
     /// The controller has told an error or a counter that moved: it does tell.
     pub(super) tells: bool,

@@ -10,7 +10,7 @@ use crate::units::{Bitrate, Micros};
 /// Edges that may be a disturbance.
 const FEW_EDGES: u32 = 20;
 /// Slower than this against the bus, a receiver may hear nothing at all on a loaded bus.
-const DEAF: u32 = 4;
+const DEAF: u32 = 3;
 /// Whether a receiver may hear nothing at all of a loaded bus.
 const fn is_deaf(receiver: Bitrate, bus: Bitrate) -> bool {
     bus.bits_per_second() / DEAF >= receiver.bits_per_second()
@@ -40,10 +40,21 @@ impl<const N: usize> Scan<N> {
             Evidence::Errors | Evidence::Counter
                 if self.traffic.last.is_some() && self.may_be_deaf(candidate.nominal) =>
             {
-                (frames + self.traffic.pause.times(8) + self.reconfiguration).min(most)
+                (frames + self.usual_pause() + self.reconfiguration).min(most)
             }
             Evidence::Errors | Evidence::Counter => most,
         }
+    }
+
+    /// A pause that would be no surprise: as long as all of the scan up to the last sign of traffic,
+    /// or eight times the usual one.
+    fn usual_pause(&self) -> Micros {
+        let until_last = self.traffic.last.map_or(Micros(0), |last| last - self.started);
+        self.traffic.pause.times(8).max(until_last)
+    }
+
+    fn may_be_deaf_at(&self, at: usize) -> bool {
+        self.rate(at).is_some_and(|rate| self.may_be_deaf(rate))
     }
 
     /// A candidate in question is so much faster that a receiver at `rate` may hear nothing of it.
@@ -56,6 +67,7 @@ impl<const N: usize> Scan<N> {
     pub(super) fn silence(&mut self, step: &mut Step, now: Micros) -> Decision {
         let stalled = step.edges > FEW_EDGES;
         let known = self.traffic.tells && self.traffic.last.is_some();
+        let stalled = stalled || (known && self.may_be_deaf_at(step.at));
         let Some(listened_at) = self.rate(step.at) else { return Decision::Leave };
         let against = error_bits(self.settings.destroyed);
         for (at, candidate) in self.candidates.as_slice().iter().enumerate() {
