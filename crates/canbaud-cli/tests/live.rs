@@ -124,7 +124,7 @@ fn events_come_a_line_each_and_end_with_the_verdict() {
 #[test]
 fn a_sweep_finds_a_rate_that_is_in_no_list() {
     let adapter = Adapter::start("5ms", &[]);
-    let output = adapter.detect(&["--json", "--sweep", "200k..300k"]).output().unwrap();
+    let output = adapter.detect(&["--json", "--sweep", "150k..350k"]).output().unwrap();
     let text = stdout(&output);
     let verdict: Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
     assert_eq!(verdict["found"]["nominal"], 250_000, "{text}");

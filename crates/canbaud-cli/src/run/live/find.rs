@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use canbaud::detect::scan::{
-    Driver, FdSeen, FdSupport, Found, Misfit, Outcome as Said, Progress, Scan, Standing,
+    Driver, FdSeen, FdSupport, Found, Misfit, Outcome as Said, Policy, Progress, Scan, Settings,
+    Standing,
 };
 use canbaud::rates;
 use canbaud::units::{Bitrate, Micros};
@@ -49,6 +50,8 @@ struct Stages {
     bound: Option<Micros>,
     visits: u32,
     elapsed: Micros,
+    /// The rate is known to about 2 % only.
+    roughly: bool,
 }
 
 impl Finding<'_> {
@@ -60,17 +63,13 @@ impl Finding<'_> {
         watch: &mut Watch,
     ) -> Result<Ended, LinkError> {
         watch.start(&listener.describe(), plan, &listener.remarks());
-        let mut all = self.stage(listener, &plan.candidates, plan, watch)?;
-        if let (Stage::Said(Said::Found(found)), true) = (&all.stage, plan.recentre) {
-            let around = Plan::around(found.nominal());
-            if !around.as_slice().is_empty() {
-                let next = self.stage(listener, &around, plan, watch)?;
-                all.then(next);
-            }
+        let mut all = self.stage(listener, &plan.candidates, plan.settings, watch)?;
+        if plan.recentre {
+            self.recentre(listener, plan, watch, &mut all)?;
         }
         let nominals = all.without_data_rate();
         if !plan.data.is_empty() && !nominals.is_empty() {
-            let next = self.stage(listener, &plan.with_data(&nominals), plan, watch)?;
+            let next = self.stage(listener, &plan.with_data(&nominals), plan.settings, watch)?;
             all.then(next);
         }
         if let Stage::Stopped(signal) = all.stage {
@@ -79,15 +78,43 @@ impl Finding<'_> {
         Ok(Ended::Judged(self.report(listener, plan, &all, watch)))
     }
 
+    /// Behind a sweep: the known rates around what was caught; if it is none of them, every rate
+    /// around it, the middle of which is the answer.
+    fn recentre(
+        &self,
+        listener: &mut dyn Listener,
+        plan: &Plan,
+        watch: &mut Watch,
+        all: &mut Stages,
+    ) -> Result<(), LinkError> {
+        let Stage::Said(Said::Found(caught)) = all.stage else { return Ok(()) };
+        let known = Plan::around(caught.nominal());
+        if !known.as_slice().is_empty() {
+            let next = self.stage(listener, &known, plan.settings, watch)?;
+            let found = !matches!(next.stage, Stage::Said(Said::NoCandidateFits(_)));
+            all.then(next);
+            if found {
+                return Ok(());
+            }
+        }
+        // Seventeen of a hundred and twenty-eight.
+        let Ok(around) = List::around(&caught) else { return Ok(()) };
+        let settings = Settings { policy: Policy::Survey, ..plan.settings };
+        let next = self.stage(listener, &around, settings, watch)?;
+        all.then(next);
+        all.roughly = true;
+        Ok(())
+    }
+
     fn stage(
         &self,
         listener: &mut dyn Listener,
         candidates: &List,
-        plan: &Plan,
+        settings: Settings,
         watch: &mut Watch,
     ) -> Result<Stages, LinkError> {
         let clock = self.clock;
-        let scan: Scan<ROOM> = Scan::new(candidates, &listener.capabilities(), plan.settings);
+        let scan: Scan<ROOM> = Scan::new(candidates, &listener.capabilities(), settings);
         let bound = scan.bound();
         let mut driver = Driver::new(listener, scan, |_: &&mut dyn Listener| clock.now());
         let stage = loop {
@@ -110,7 +137,14 @@ impl Finding<'_> {
         };
         let status = driver.scan().status(clock.now());
         let tried = driver.scan().standings().filter(|one| one.visits > 0 || one.refused).collect();
-        Ok(Stages { stage, tried, bound, visits: status.visits, elapsed: status.elapsed })
+        Ok(Stages {
+            stage,
+            tried,
+            bound,
+            visits: status.visits,
+            elapsed: status.elapsed,
+            roughly: false,
+        })
     }
 
     fn report(
@@ -133,7 +167,13 @@ impl Finding<'_> {
             caveats: Vec::new(),
         };
         match &all.stage {
-            Stage::Said(Said::Found(found)) => judge_found(&mut report, found),
+            Stage::Said(Said::Found(found)) => {
+                judge_found(&mut report, found);
+                if all.roughly {
+                    let text = "This is no rate that is known: it is known to about 2 %.";
+                    caveat(&mut report, "roughly", text);
+                }
+            }
             Stage::Said(Said::Silent) => {
                 report.outcome = Outcome::NoTraffic;
                 report.need = Some("nothing was heard at any of the rates".to_owned());
