@@ -5,11 +5,9 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// Cortex-M4: `qemu-system-arm -M mps2-an386`.
-const MPS2_AN386: &str =
-    "MEMORY { FLASH : ORIGIN = 0x00000000, LENGTH = 4M\n RAM : ORIGIN = 0x20000000, LENGTH = 4M }\n";
+const MPS2_AN386: &str = "MEMORY { FLASH : ORIGIN = 0x00000000, LENGTH = 4M\n RAM : ORIGIN = 0x20000000, LENGTH = 4M }\n";
 /// Cortex-M0: `qemu-system-arm -M microbit`.
-const MICROBIT: &str =
-    "MEMORY { FLASH : ORIGIN = 0x00000000, LENGTH = 256K\n RAM : ORIGIN = 0x20000000, LENGTH = 16K }\n";
+const MICROBIT: &str = "MEMORY { FLASH : ORIGIN = 0x00000000, LENGTH = 256K\n RAM : ORIGIN = 0x20000000, LENGTH = 16K }\n";
 
 fn main() {
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it"));
@@ -28,10 +26,14 @@ fn main() {
 
 /// Every recording of `vectors/detect` as a `Recording`.
 fn recordings(directory: &Path) -> String {
-    let mut names: Vec<_> =
-        fs::read_dir(directory).expect("vectors").map(|entry| entry.expect("entry").path()).collect();
+    let mut names: Vec<_> = fs::read_dir(directory)
+        .expect("vectors")
+        .map(|entry| entry.expect("entry").path())
+        .collect();
     names.sort();
-    let mut code = String::from("/// The recordings of `vectors/detect`.\npub const RECORDINGS: &[Recording] = &[\n");
+    let mut code = String::from(
+        "/// The recordings of `vectors/detect`.\npub const RECORDINGS: &[Recording] = &[\n",
+    );
     for path in names {
         let text = fs::read_to_string(&path).expect("readable");
         let name = path.file_stem().expect("a name").to_string_lossy();
@@ -54,7 +56,9 @@ fn recordings(directory: &Path) -> String {
 /// Frames of `vectors/bits` as strings of bits, by name.
 fn frames(directory: &Path) -> String {
     let text = fs::read_to_string(directory.join("corners.toml")).expect("corners.toml");
-    let mut code = String::from("/// The frames of `vectors/bits/corners.toml`.\npub const FRAMES: &[(&str, &str)] = &[\n");
+    let mut code = String::from(
+        "/// The frames of `vectors/bits/corners.toml`.\npub const FRAMES: &[(&str, &str)] = &[\n",
+    );
     for frame in text.split("[[frame]]").skip(1) {
         let name = value(frame, "name").expect("name");
         let bits = value(frame, "bits").expect("bits");

@@ -158,8 +158,7 @@ impl Device {
     /// Whether its timer follows the edges now.
     #[must_use]
     pub fn follows_edges(&self) -> bool {
-        let detects = |node: &Node| node.stage() == Stage::Detecting;
-        self.timer.is_some() && self.software.as_ref().is_some_and(detects)
+        self.timer.is_some() && self.software.is_some() && self.must_be_silent()
     }
 
     /// Power comes.
@@ -287,7 +286,7 @@ impl Device {
             }
         }
         if let (Some(timer), Some(node)) = (&self.timer, &mut self.software)
-            && node.stage() == Stage::Detecting
+            && !matches!(node.stage(), Stage::TakingPart { .. })
         {
             node.timer(timer.ticks(sim.now()), logic(self.line));
         }

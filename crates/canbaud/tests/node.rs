@@ -182,6 +182,32 @@ fn d2_a_mini_master_waits_for_recovery_and_keeps_its_bit_timing() {
     assert_eq!(actions(&mut node, end), [Action::Listen(candidate)]);
 }
 
+/// D2 with a timer alone: the controller is off, and the timer counts the recessive bits.
+#[test]
+fn d2_a_device_that_cannot_listen_counts_with_its_timer() {
+    let settings = Settings { means: Means::Timer(timer()), ..fixed(Startup::MiniMaster) };
+    let mut node = taking_part(settings, Micros(0));
+    node.timer(0, Logic::High);
+    node.handle(Micros(0), &Input::Fault { state: State::BusOff, tec: 256, rec: 0 });
+    assert_eq!(actions(&mut node, Micros(0)), [Action::Stop]);
+    // 32 ticks a bit; ten recessive bits at a time are no occurrence.
+    let mut ticks = 0;
+    for _ in 0..500 {
+        node.edge(ticks, Logic::High);
+        node.edge(ticks + 320, Logic::Low);
+        ticks += 352;
+    }
+    assert_eq!(actions(&mut node, Micros(ticks / 8)), []);
+    assert!(node.deadline().is_some_and(|at| at > Micros(ticks / 8)));
+    node.edge(ticks, Logic::High);
+    node.timer(ticks + 32 * 1407, Logic::High);
+    assert_eq!(actions(&mut node, Micros(ticks / 8 + 5_628)), []);
+    node.timer(ticks + 32 * 1408, Logic::High);
+    let candidate = Candidate::classic(rate(250_000));
+    let now = Micros(ticks / 8 + 5_632);
+    assert_eq!(actions(&mut node, now), [Action::TakePart(candidate)]);
+}
+
 /// A slave goes back to silence: at bus-off, at the first error before anything good, when it is
 /// deaf for 100 ms, and when nobody answers for a second.
 #[test]

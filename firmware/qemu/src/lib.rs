@@ -6,9 +6,11 @@
 #![no_std]
 
 pub mod board;
+pub mod bus;
 pub mod console;
 pub mod recordings;
 pub mod stack;
+pub mod timer;
 
 use core::panic::PanicInfo;
 

@@ -120,14 +120,13 @@ impl Saved {
             return Some(format!("its control mode is {is:#x}, it was {was:#x}"));
         }
         let pairs = [(self.timing, can.timing), (self.data_timing, can.data_timing)];
-        let rate = pairs.into_iter().find_map(|(was, is)| {
+        pairs.into_iter().find_map(|(was, is)| {
             let was = was?;
             let is = is.unwrap_or_default();
             (is.bitrate != was.bitrate).then(|| {
                 format!("its bit rate is {} bit/s, it was {} bit/s", is.bitrate, was.bitrate)
             })
-        });
-        rate
+        })
     }
 }
 

@@ -133,7 +133,7 @@ impl Rtnl {
 
     /// Sends a request and reads until its end.
     fn exchange(
-        &mut self,
+        &self,
         request: &[u8],
         sequence: u32,
         wanted: Wanted,

@@ -21,15 +21,6 @@ pub(super) enum Wish {
     Listen(Candidate),
 }
 
-/// What a search has found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Fit {
-    /// The rate.
-    pub(super) candidate: Candidate,
-    /// Whether the controller itself has received something at it.
-    pub(super) confirmed: bool,
-}
-
 /// What the controller said about the rate at which it listens.
 #[derive(Debug, Clone, Copy, Default)]
 struct Confirmation {
@@ -208,12 +199,12 @@ impl<const N: usize, const R: usize> Search<N, R> {
     }
 
     /// Goes on; a fit is told once.
-    pub(super) fn poll(&mut self, now: Micros) -> Option<Fit> {
+    pub(super) fn poll(&mut self, now: Micros) -> Option<Candidate> {
         match &mut self.method {
             Method::Measure(measure) => {
                 self.measured = measure.poll(now, self.rates).unwrap_or(self.measured);
                 let Measured::Rate { rate, certain: true } = self.measured else { return None };
-                Some(Fit { candidate: Candidate::classic(rate), confirmed: false })
+                Some(Candidate::classic(rate))
             }
             Method::MeasureAndListen { measure, listening, confirmation, told } => {
                 self.measured = measure.poll(now, self.rates).unwrap_or(self.measured);
@@ -228,7 +219,7 @@ impl<const N: usize, const R: usize> Search<N, R> {
                     Measured::Nothing => confirmation.distinct >= FRAMES_WITHOUT_MEASUREMENT,
                     Measured::Foreign => false,
                 };
-                fits.then_some(Fit { candidate: *listening, confirmed: true })
+                fits.then_some(*listening)
             }
             Method::Scan { scan, candidates, capabilities, wish } => {
                 while let Some(action) = scan.poll(now) {
@@ -238,9 +229,7 @@ impl<const N: usize, const R: usize> Search<N, R> {
                     });
                 }
                 match scan.outcome() {
-                    Some(Outcome::Found(found)) => {
-                        Some(Fit { candidate: found.candidate, confirmed: true })
-                    }
+                    Some(Outcome::Found(found)) => Some(found.candidate),
                     // At its bound: what was heard meanwhile fits nothing, perhaps because the rate
                     // has changed. It begins anew, without a memory.
                     Some(_) => {

@@ -1,3 +1,4 @@
+use canbaud::detect::scan::Policy;
 use serde_json::Value;
 
 use super::*;
@@ -19,7 +20,9 @@ fn every_event_fits_the_schema() {
     let report = live();
     let one = report.tried[0];
     let now = Micros(1_500_000);
-    line(|out| push_start(out, "can0", "can0 (gs_usb)", &[one.candidate], "weighing"));
+    for policy in Policy::ALL {
+        line(|out| push_start(out, "can0", "can0 (gs_usb)", &[one.candidate], policy.name()));
+    }
     line(|out| push_remark(out, "can0 was up"));
     let listening = line(|out| push_listening(out, now, &one.candidate));
     assert_eq!(listening["t"], 1.5);

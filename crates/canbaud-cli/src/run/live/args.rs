@@ -27,7 +27,7 @@ pub(crate) struct LiveArgs {
     #[arg(long)]
     pub(crate) fd: bool,
 
-    /// How to go from rate to rate: default, koppe (the first message without an error), fixed-dwell
+    /// How to go from rate to rate: default, koppe (the first message without an error), fixed-dwell, survey
     #[arg(long, value_name = "NAME", default_value = "default", hide_default_value = true)]
     pub(crate) policy: Policy,
 

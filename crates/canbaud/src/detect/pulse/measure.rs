@@ -13,7 +13,7 @@ use crate::wire::{Fit, PhaseSums};
 /// ```
 // Its 128-bit numbers would align a detector to 16 bytes on some hosts, more than C does by itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(packed(8))]
+#[repr(Rust, packed(8))]
 pub struct Measurement {
     sxx_q8: u128,
     sxy_q8: u128,
