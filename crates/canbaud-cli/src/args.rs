@@ -12,7 +12,8 @@ use crate::run::live::LiveArgs;
 use crate::run::timing::{ControllersArgs, TIMING_HELP, TimingArgs};
 use crate::run::{AdaptersArgs, LSS_HELP, LssArgs, SimulateArgs};
 
-const ABOUT: &str = "Finds the bit rate of a recorded CAN or CAN FD bus, proves it, decodes it";
+const ABOUT: &str =
+    "Finds the bit rate of a CAN or CAN FD bus, recorded or live, proves it, decodes it";
 
 const EXAMPLES: &str = "\
 Examples:

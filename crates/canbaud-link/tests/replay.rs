@@ -39,6 +39,16 @@ fn the_rate_of_the_recording_is_found_and_no_other() {
     assert!(matches!(scan(&[500_000, 250_000]), Outcome::NoCandidateFits(_)));
 }
 
+/// A controller loses count of the bits a few percent off; a recording must not forgive more.
+#[test]
+fn a_neighbouring_rate_is_not_taken_for_the_rate_of_the_recording() {
+    for rate in [80_000, 81_000, 86_000, 90_000] {
+        let outcome = scan(&[rate]);
+        assert!(matches!(outcome, Outcome::NoCandidateFits(_)), "{rate}: {outcome:?}");
+    }
+    assert!(matches!(scan(&[83_000]), Outcome::Found(_)));
+}
+
 #[test]
 fn a_file_that_is_none_and_a_channel_that_is_not_there_are_errors() {
     let open = |name, channel| ReplayListener::open(&example(name), channel, Clock::start());

@@ -15,6 +15,7 @@ use canbaud::wire::{
     Listener as ItemListener,
 };
 
+use super::receiver::Receiver;
 use super::track::Track;
 use crate::{Clock, LinkError, Listener};
 
@@ -31,7 +32,7 @@ pub struct ReplayListener {
     track: Track,
     name: String,
     clock: Clock,
-    setting: Option<BusTiming>,
+    setting: Option<(BusTiming, Receiver)>,
     hearing: Option<Hearing>,
 }
 
@@ -43,11 +44,14 @@ struct Hearing {
     began: Micros,
     /// Edges of it that were heard.
     next: usize,
+    receiver: Receiver,
     heard: Heard,
+    told: VecDeque<Observation>,
 }
 
+/// What the decoder read, from and to which tick.
 #[derive(Debug, Default)]
-struct Heard(VecDeque<Observation>);
+struct Heard(Vec<(u64, u64, Observation)>);
 
 impl ReplayListener {
     /// Reads channel `channel` of the capture at `path`, or its first one.
@@ -89,14 +93,15 @@ impl ReplayListener {
 
 impl Hearing {
     /// In the middle of the recording, like a controller that is switched on.
-    fn start(track: &Track, decoder: Decoder<800>, now: Micros) -> Self {
+    fn start(track: &Track, decoder: Decoder<800>, receiver: Receiver, now: Micros) -> Self {
         let into = Micros(now.0 % track.length().0.max(1));
         let at = track.ticks(into);
         let next = track.edges.partition_point(|edge| *edge <= at);
         let level = if next.is_multiple_of(2) { track.level } else { track.level.toggled() };
         let mut decoder = Box::new(decoder);
         decoder.begin(at, level);
-        Self { decoder, began: now - into, next, heard: Heard::default() }
+        let (heard, told) = (Heard::default(), VecDeque::new());
+        Self { decoder, began: now - into, next, receiver, heard, told }
     }
 
     /// Hears what happened up to `now`.
@@ -116,6 +121,22 @@ impl Hearing {
             self.decoder.begin(0, track.level);
             self.began = now;
             self.next = 0;
+        }
+        self.tell(track);
+    }
+
+    /// A frame that no controller with this bit timing reads is an error to it.
+    fn tell(&mut self, track: &Track) {
+        for (start, end, observation) in self.heard.0.drain(..) {
+            self.told.push_back(match observation {
+                Observation::Frame(seen)
+                    if !self.receiver.reads(track, &seen.frame, start, end) =>
+                {
+                    let (class, place) = (ErrorClass::Unknown, ErrorPlace::Unknown);
+                    Observation::Error(ErrorSeen { class, place, received: None })
+                }
+                other => other,
+            });
         }
     }
 }
@@ -138,7 +159,7 @@ impl ItemListener for Heard {
             }
             ItemKind::Overload => return,
         };
-        self.0.push_back(observation);
+        self.0.push((decoded.item.start, decoded.item.end, observation));
     }
 }
 
@@ -180,7 +201,8 @@ impl Controller for ReplayListener {
 
     fn configure(&mut self, candidate: &Candidate) -> Result<Configured, LinkError> {
         self.hearing = None;
-        self.setting = self.timing(candidate);
+        let timing = self.timing(candidate);
+        self.setting = timing.map(|timing| (timing, Receiver::new(candidate, timing.ticks_q20)));
         match self.setting {
             Some(_) => Ok(Configured { nominal: candidate.nominal, data: candidate.data }),
             None => Err(LinkError::Rate {
@@ -192,11 +214,12 @@ impl Controller for ReplayListener {
     }
 
     fn start_monitoring(&mut self) -> Result<(), LinkError> {
-        let decoder = self.setting.and_then(|timing| Decoder::new(&timing));
-        let Some(decoder) = decoder else {
+        let decoder =
+            self.setting.and_then(|(timing, receiver)| Some((Decoder::new(&timing)?, receiver)));
+        let Some((decoder, receiver)) = decoder else {
             return Err(self.misuse("it listens only behind being configured"));
         };
-        self.hearing = Some(Hearing::start(&self.track, decoder, self.clock.now()));
+        self.hearing = Some(Hearing::start(&self.track, decoder, receiver, self.clock.now()));
         Ok(())
     }
 
@@ -204,10 +227,10 @@ impl Controller for ReplayListener {
         let Some(hearing) = &mut self.hearing else {
             return Err(self.misuse("it hears only while it listens"));
         };
-        if hearing.heard.0.is_empty() {
+        if hearing.told.is_empty() {
             hearing.advance(&self.track, now);
         }
-        Ok(hearing.heard.0.pop_front())
+        Ok(hearing.told.pop_front())
     }
 
     fn stop(&mut self) -> Result<(), LinkError> {

@@ -4,6 +4,7 @@
 //! rate shows the errors that it would show.
 
 mod listener;
+mod receiver;
 mod track;
 
 pub use listener::ReplayListener;
