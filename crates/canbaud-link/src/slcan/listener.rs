@@ -152,7 +152,6 @@ impl SlcanListener {
 
     /// Closes the channel; a closed one may refuse that.
     fn close(&mut self) -> Result<(), LinkError> {
-        self.state = State::Closed;
         if !self.confirms() {
             self.channel.tell(b"C\r")?;
         } else if self.channel.command("C")? == Answer::Nothing {
@@ -162,6 +161,8 @@ impl SlcanListener {
                 return Err(LinkError::NoAnswer { adapter, command: "C".to_owned() });
             }
         }
+        // Not before it is certain: whoever tidies up tries once more.
+        self.state = State::Closed;
         self.channel.clear();
         Ok(())
     }
@@ -302,6 +303,7 @@ impl Controller for SlcanListener {
             self.fetches = if fetched { Fetches::Yes } else { Fetches::No };
         }
         self.due = self.clock.now() + POLL;
+        self.errors = 0;
         self.count = if self.firmware.error_flag().is_some() { Count::Untold } else { Count::Told };
         Ok(())
     }

@@ -165,6 +165,18 @@ impl SocketCanListener {
         Ok(count.map(Observation::ReceiveErrors))
     }
 
+    /// Hears what comes, once the kernel confirms that it listens as it was set.
+    fn listen(&mut self, setting: Setting) -> Result<(), LinkError> {
+        let after = self.read_back()?;
+        if !matches!(self.setting_of(&after), Ok(real) if real == setting) || !after.flags.is_up() {
+            return Err(self.state("somebody else changed the interface during the scan"));
+        }
+        self.socket = Some(RawSocket::open(&self.link.name, self.link.index)?);
+        self.settle()?;
+        self.counter = Counter { due: self.clock.now(), last: None };
+        Ok(())
+    }
+
     /// Throws away what the adapter still had in its queue.
     fn settle(&mut self) -> Result<(), LinkError> {
         let end = Instant::now() + self.profile.settle;
@@ -254,16 +266,12 @@ impl Controller for SocketCanListener {
         if before.flags.is_up() || self.setting_of(&before)? != setting {
             return Err(self.state("somebody else changed the interface during the scan"));
         }
-        self.change(&LinkChange::only(Change::Up))?;
-        let after = self.read_back()?;
-        if self.setting_of(&after)? != setting || !after.flags.is_up() {
-            self.set_down()?;
-            return Err(self.state("somebody else changed the interface during the scan"));
+        let up = self.change(&LinkChange::only(Change::Up)).and_then(|()| self.listen(setting));
+        if up.is_err() {
+            // Whatever it was set to by then, down it drives nothing.
+            let _ = self.set_down();
         }
-        self.socket = Some(RawSocket::open(&self.link.name, self.link.index)?);
-        self.settle()?;
-        self.counter = Counter { due: self.clock.now(), last: None };
-        Ok(())
+        up
     }
 
     fn observe(&mut self, now: Micros) -> Result<Option<Observation>, LinkError> {
@@ -364,10 +372,11 @@ impl Listener for SocketCanListener {
         if !self.touched {
             return Ok(());
         }
-        // Whatever comes of it: a second attempt would go the same way.
-        self.touched = false;
-        let now = self.read_back()?;
-        self.saved.clone().restore(&mut self.rtnl, &now)
+        let done =
+            self.read_back().and_then(|now| self.saved.clone().restore(&mut self.rtnl, &now));
+        // What the kernel refused once it may grant once more; the rest would go the same way.
+        self.touched = matches!(done, Err(LinkError::Io { .. }));
+        done
     }
 }
 

@@ -59,9 +59,10 @@ impl Recovering {
         let Some(line) = &mut self.line else { return };
         if let Some((since, Logic::High)) = line.last {
             let run = u128::from(ticks.saturating_sub(since));
-            let bits = run.saturating_mul(rate * u128::from(line.timebase.seconds()))
-                / u128::from(line.timebase.ticks());
-            let bits = u32::try_from(bits).unwrap_or(u32::MAX);
+            let bits = run
+                .saturating_mul(rate * u128::from(line.timebase.seconds()))
+                .checked_div(u128::from(line.timebase.ticks()));
+            let bits = bits.map_or(0, |bits| u32::try_from(bits).unwrap_or(u32::MAX));
             self.recovery.recessive(bits.saturating_sub(line.counted));
             line.counted = bits.max(line.counted);
         }

@@ -91,18 +91,19 @@ impl Finding<'_> {
         let known = Plan::around(caught.nominal());
         if !known.as_slice().is_empty() {
             let next = self.stage(listener, &known, plan.settings, watch)?;
-            let found = !matches!(next.stage, Stage::Said(Said::NoCandidateFits(_)));
+            let nearer = matches!(next.stage, Stage::Said(Said::Found(_)) | Stage::Stopped(_));
             all.then(next);
-            if found {
+            if nearer {
                 return Ok(());
             }
         }
+        // A receiver with the widest bit timing caught it: no more is known yet.
+        all.roughly = true;
         // Seventeen of a hundred and twenty-eight.
         let Ok(around) = List::around(&caught) else { return Ok(()) };
         let settings = Settings { policy: Policy::Survey, ..plan.settings };
         let next = self.stage(listener, &around, settings, watch)?;
         all.then(next);
-        all.roughly = true;
         Ok(())
     }
 
@@ -170,7 +171,7 @@ impl Finding<'_> {
             Stage::Said(Said::Found(found)) => {
                 judge_found(&mut report, found);
                 if all.roughly {
-                    let text = "This is no rate that is known: it is known to about 2 %.";
+                    let text = "This is no known rate: it is right to a few percent, and nothing takes part in the traffic at it.";
                     caveat(&mut report, "roughly", text);
                 }
             }

@@ -95,9 +95,9 @@ fn conclude(
         Err(error) => return exit.max(unwritable("standard output", &error)),
     }
     match (kept(&report), args.live.apply) {
-        (Some(candidate), true) => match listener.keep(&candidate, args.live.after()) {
+        (Some(candidate), true) => match listener.keep(&candidate, after(args, &report)) {
             Ok(()) => {
-                let mode = match args.live.after() {
+                let mode = match after(args, &report) {
                     After::Listening => "listening only",
                     After::Normal => "taking part in the traffic",
                 };
@@ -107,6 +107,15 @@ fn conclude(
             Err(error) => fail(args, source, &error),
         },
         _ => exit,
+    }
+}
+
+/// How to leave it. A node whose rate is known to some percent only would destroy frames.
+fn after(args: &DetectArgs, report: &LiveReport) -> After {
+    if report.caveats.iter().any(|caveat| caveat.code == "roughly") {
+        After::Listening
+    } else {
+        args.live.after()
     }
 }
 
@@ -131,7 +140,7 @@ fn write(args: &DetectArgs, report: &LiveReport, color: When) -> io::Result<()> 
         if !args.json {
             text.push('\n');
         }
-        let configuration = save::configuration(form, &report.source, found, args.live.after());
+        let configuration = save::configuration(form, &report.source, found, after(args, report));
         if args.json {
             live_json::push_configuration(&mut text, form.name(), &configuration);
         } else {

@@ -21,7 +21,8 @@ impl<const N: usize> Scan<N> {
             let Some(track) = self.tracks.get_mut(at) else { continue };
             if at == step.at {
                 track.errors = track.errors.saturating_add(1);
-                track.in_arbitration += u32::from(burst.in_arbitration);
+                track.in_arbitration =
+                    track.in_arbitration.saturating_add(u32::from(burst.in_arbitration));
                 let times = if burst.count > 1 { 2 } else { 1 };
                 track.weight = track.weight.saturating_sub(times * against);
             } else if step.frames == 0 {
