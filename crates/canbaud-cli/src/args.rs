@@ -28,6 +28,7 @@ Exit codes:
   2  wrong command line                 5  a file cannot be read or written
   6  no permission                      7  the adapter cannot be used
   3  undecided, two rates in conflict, or an impossible bit timing
+  128 + n  ended by signal n; whatever was changed was put back first
   With several sources: 5 before 3 before 4 before 0.";
 
 /// Behind the help of both commands; the names are those of [`Format`].

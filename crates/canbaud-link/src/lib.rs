@@ -8,6 +8,7 @@
 //! | [`socketcan`] | interfaces of Linux: rtnetlink for setting up, `CAN_RAW` for hearing |
 //! | [`slcan`] | serial adapters with the Lawicel protocol and its relatives |
 //! | [`sim`] | a simulated controller on a simulated bus |
+//! | [`replay`] | a capture file in the place of a bus |
 //! | [`adapters`] | what there is on this machine, and what is known of it |
 //! | [`bus`] | channels that transmit, for LSS |
 //! | [`lss`] | the LSS master on one of them |
@@ -19,6 +20,7 @@ mod clock;
 mod error;
 mod listener;
 pub mod lss;
+pub mod replay;
 pub mod sim;
 pub mod slcan;
 #[cfg(target_os = "linux")]

@@ -80,7 +80,7 @@ fn micros(time: Time) -> Micros {
 }
 
 fn time(at: Micros) -> Time {
-    at.0.checked_mul(1_000_000_000).map_or(Time::NEVER, |fs| Time::from_fs(fs))
+    at.0.checked_mul(1_000_000_000).map_or(Time::NEVER, Time::from_fs)
 }
 
 impl LssDevice {

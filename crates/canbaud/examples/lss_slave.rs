@@ -30,7 +30,7 @@ fn carry_out(slave: &mut Slave, now: Micros) {
     while let Some(action) = slave.poll(now) {
         match action {
             SlaveAction::Send(frame) => {
-                println!("{at}  sends {} {:02X?}", frame.id(), frame.data())
+                println!("{at}  sends {} {:02X?}", frame.id(), frame.data());
             }
             SlaveAction::StopSending => println!("{at}  falls silent"),
             SlaveAction::SwitchBitRate(RateSetting::Fixed(rate)) => {

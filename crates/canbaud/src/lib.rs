@@ -12,6 +12,7 @@ extern crate std;
 
 pub mod detect;
 pub mod fault;
+mod fixed;
 pub mod lss;
 pub mod node;
 pub mod rates;
@@ -23,3 +24,8 @@ pub mod wire;
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
+
+/// The examples of the guide to LSS compile.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/lss.md")]
+struct LssGuide;

@@ -65,6 +65,7 @@ fn any_address_on_any_way_is_found_and_never_a_wrong_one() {
     let ways = [
         ("steady", Way::STEADY),
         ("jitter", Way { round_trip: (2_000, 30_000), ..Way::STEADY }),
+        ("swift", Way { round_trip: (50, 2_000), ..Way::STEADY }),
         ("late answers", Way { round_trip: (10_000, 25_000), late: 20, ..Way::STEADY }),
         ("lost frames", Way { round_trip: (1_000, 5_000), lost: 3, ..Way::STEADY }),
     ];
@@ -99,7 +100,8 @@ fn several_devices_are_found_one_after_another() {
                 // The same product, serial numbers in a row.
                 _ => (0..4).map(|n| LssAddress::new(0x29C, 77, 0x0001_0003, 8_000 + n)).collect(),
             };
-            let way = Way { round_trip: (4_000, 12_000), merged, ..Way::STEADY };
+            let round_trip = if seed % 3 == 0 { (50, 900) } else { (4_000, 12_000) };
+            let way = Way { round_trip, merged, ..Way::STEADY };
             let mut bus = Bus::new(&addresses, way, seed);
             let mut found = Vec::new();
             while let Some(one) =
@@ -138,6 +140,21 @@ fn slow_and_fast_devices_are_told_apart() {
             };
             assert_eq!(sorted(found), sorted(addresses.to_vec()), "{slow} us, seed {seed}");
         }
+    }
+}
+
+/// Seen with processes on vcan: the first answers take 10 ms, all others a fraction of one.
+#[test]
+fn a_slow_start_of_several_devices_is_not_held_against_them() {
+    for seed in 0..20 {
+        let mut chance = Chance::new(seed + 9_000);
+        let addresses = [address(&mut chance), address(&mut chance), address(&mut chance)];
+        let way = Way { round_trip: (150, 250), ..Way::STEADY };
+        let mut bus = Bus::new(&addresses, way, seed);
+        bus.slow_start = 10_000;
+        let found = bus.fastscan(adaptive()).unwrap().unwrap();
+        assert!(addresses.contains(&found.address), "seed {seed}");
+        assert_eq!(found.statistics.restarts, 0, "seed {seed}");
     }
 }
 

@@ -47,6 +47,12 @@ class Bench:
         """Runs a shell script in the guest."""
         return self.guest.run(script, timeout)
 
+    def prepare(self, script, timeout=20):
+        """Runs a script that has to succeed for the scenario to go on."""
+        result = self.sh(script, timeout)
+        if result.status != 0:
+            raise RuntimeError(f"{script}\nstatus {result.status}\n{result.output}")
+
     def settings(self):
         """The settings of can0 that a scan has to put back."""
         answer = self.sh("ip -details -json link show can0")

@@ -10,9 +10,16 @@ class Report:
         self.skipped = []
         self.began = time.monotonic()
         self.scenario = ""
+        self.seconds = {}
 
     def begin(self, scenario):
         self.scenario = scenario
+        self.started = time.monotonic()
+
+    def end(self):
+        """Notes how long the scenario took."""
+        taken = time.monotonic() - self.started
+        self.seconds[self.scenario] = self.seconds.get(self.scenario, 0) + taken
 
     def check(self, good, what, detail=""):
         """Prints and counts one check; `detail` is shown if it failed."""
@@ -36,6 +43,8 @@ class Report:
     def summary(self, repeat, logs, not_here):
         """The last lines; the exit status: 0, 1, or `not_here` if there was nothing to check."""
         seconds = time.monotonic() - self.began
+        slowest = sorted(self.seconds.items(), key=lambda one: -one[1])[:5]
+        print("slowest:", ", ".join(f"{name} {taken:.0f} s" for name, taken in slowest))
         for failure in self.failed:
             print(f"failed: {failure}")
         print(

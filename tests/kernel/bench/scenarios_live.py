@@ -64,8 +64,7 @@ def puts_back(bench, state, setup, ending, *options):
     """Sets can0 up, ends a scan of a silent bus in some way, and compares."""
     script, wanted = ENDINGS[ending]
     bench.plug(bus(250_000, period=None), *options)
-    if bench.sh(setup).status != 0:
-        raise RuntimeError(f"cannot set up: {setup}")
+    bench.prepare(setup)
     opened = bench.disturbing()
     before = bench.settings()
     result = bench.sh(script)
@@ -162,7 +161,7 @@ def survives_the_unplugging(bench):
 
 def refuses_what_has_no_rate(bench):
     """vcan has no bit rate; exit 7 and the reason."""
-    bench.sh("ip link add vcan0 type vcan; ip link set vcan0 up")
+    bench.prepare("ip link add vcan0 type vcan; ip link set vcan0 up")
     result = bench.sh("/run/canbaud detect vcan0")
     bench.sh("ip link del vcan0")
     bench.report.check(result.status == 7 and "virtual" in result.output,

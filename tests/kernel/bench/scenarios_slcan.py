@@ -1,4 +1,7 @@
-"""Scenarios for the kernel's slcan driver alone."""
+"""Scenarios for User-Mode Linux alone: the slcan driver, and vcan."""
+
+import os
+import subprocess
 
 from .buses import bus
 from .scenarios_live import detect, finds, found
@@ -70,9 +73,27 @@ def slcan_without_l(bench):
     bench.never_disturbed()
 
 
+PEERS = os.path.abspath(f"{os.path.dirname(__file__)}/../../../scripts/lss-peers")
+
+
+def lss_over_vcan(bench):
+    """LSS masters and slaves of others against ours, on SocketCAN."""
+    prepared = subprocess.run([PEERS, "--prepare"], capture_output=True, text=True, check=False)
+    if prepared.returncode == 77:
+        bench.report.skip("lss_over_vcan", prepared.stdout.strip())
+        return
+    bench.prepare("ip link add vcan0 type vcan; ip link set vcan0 up")
+    result = bench.sh(
+        f"export PYTHONDONTWRITEBYTECODE=1\n"
+        f"{PEERS} --interface socketcan --channel vcan0 --canbaud /run/canbaud --untimed", 120)
+    bench.sh("ip link del vcan0")
+    bench.report.check(result.status == 0, "scripts/lss-peers passes", result.output)
+
+
 ALL = [
     slcan_facts,
     slcan_witness,
     slcan_silent_firmware,
     slcan_without_l,
+    lss_over_vcan,
 ]

@@ -19,7 +19,7 @@ class SlcanBench(Bench):
     def boot(self):
         self.guest = uml.boot(self.adapter.path, self.logs)
         # Users other than root may not reach the place that it was built in.
-        self.sh(f"install -m 755 {shlex.quote(self.canbaud)} /run/canbaud")
+        self.prepare(f"install -m 755 {shlex.quote(self.canbaud)} /run/canbaud")
 
     def stop(self):
         self.adapter.unplug()
@@ -28,7 +28,7 @@ class SlcanBench(Bench):
     def plug(self, bus, *options):
         self.unplug()
         self.adapter.plug(self.report.scenario, bus, options or ["--errors", "records"])
-        result = self.sh(
+        self.prepare(
             "slcand -F ttyS0 can0 >/run/slcand.log 2>&1 &\n"
             "echo $! >/run/slcand.pid\n"
             "for try in 1 2 3 4 5 6 7 8 9 10; do\n"
@@ -36,8 +36,6 @@ class SlcanBench(Bench):
             "done\n"
             "cat /run/slcand.log; exit 1"
         )
-        if result.status != 0:
-            raise RuntimeError(f"slcand does not attach: {result.output}")
 
     def unplug(self):
         self.sh(

@@ -23,7 +23,7 @@ def boot(adapter_pty, logs):
     modules = sorted(glob.glob("/usr/lib/uml/modules/*/kernel"))[-1]
     command = [
         "linux.uml",
-        "mem=192M",
+        "mem=256M",
         "root=/dev/root",
         "rootfstype=hostfs",
         "rootflags=/",

@@ -167,3 +167,6 @@ const fn found(rate: &LiveRate) -> FoundRecord<'_> {
         },
     }
 }
+
+#[cfg(test)]
+mod tests;

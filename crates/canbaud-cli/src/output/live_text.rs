@@ -142,3 +142,50 @@ pub(crate) fn ip_link(interface: &str, rate: &LiveRate) -> String {
     }
     line
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::samples::live;
+
+    #[test]
+    fn a_rate_that_was_found_is_told_with_what_was_tried() {
+        let want = [
+            "250 kbit/s — proven by 2 frames",
+            "  adapter      can0 (gs_usb)",
+            "  nominal      250 kbit/s",
+            "               SAE J1939",
+            "  proof        the adapter received 2 frames without an error, not all alike",
+            "  errors       none",
+            "  took         41.000 ms of at most 9.000 s, 2 tries",
+            "  tried        500 kbit/s: 3 errors in 20.000 ms",
+            "               250 kbit/s: 2 frames in 20.000 ms",
+            "",
+            "  ip link set can0 type can bitrate 250000 sample-point 0.875",
+            "",
+        ];
+        assert_eq!(render(&live(), Detail::Full, Paint::Plain), want.join("\n"));
+    }
+
+    #[test]
+    fn a_lone_sender_and_a_data_rate_are_told() {
+        let mut report = live();
+        let rate = report.found.as_mut().unwrap();
+        rate.acknowledgement = Acknowledgement::Missing;
+        (rate.data, rate.fd) = (Some(2_000_000), FdSeen::Switched);
+        let text = render(&report, Detail::Full, Paint::Plain);
+        assert!(text.starts_with("250 kbit/s, CAN FD data 2 Mbit/s — "), "{text}");
+        assert!(text.contains("acknowledge  missing: the sender is alone"), "{text}");
+        assert!(text.ends_with("dbitrate 2000000 dsample-point 0.750 fd on\n"), "{text}");
+    }
+
+    #[test]
+    fn without_a_rate_there_is_no_command() {
+        let mut report = live();
+        (report.outcome, report.found) = (Outcome::Undecided, None);
+        report.need = Some("there is traffic".to_owned());
+        let text = render(&report, Detail::Full, Paint::Plain);
+        assert!(text.starts_with("undecided — there is traffic\n"), "{text}");
+        assert!(!text.contains("ip link"), "{text}");
+    }
+}

@@ -120,7 +120,7 @@ impl Channel {
     }
 
     /// Sends `command` without waiting for anything.
-    pub(crate) fn tell(&mut self, command: &[u8]) -> Result<(), LinkError> {
+    pub(crate) fn tell(&self, command: &[u8]) -> Result<(), LinkError> {
         self.port.write_all(command).map_err(|error| self.broken("write to", error))
     }
 

@@ -347,6 +347,12 @@ impl Listener for SlcanListener {
 
     fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
+        if self.firmware == Firmware::Other {
+            remarks.push(
+                "the firmware is unknown: it confirms L, and whether it is silent then is its word"
+                    .to_owned(),
+            );
+        }
         if self.firmware.evidence() == Evidence::FramesOnly {
             remarks.push("this adapter does not tell a wrong rate from a silent bus".to_owned());
         }

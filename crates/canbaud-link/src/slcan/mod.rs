@@ -2,7 +2,7 @@
 //!
 //! | part | what it is |
 //! |---|---|
-//! | [`Lines`], [`Record`], [`print`] | the codec: bytes in, records out; no I/O |
+//! | [`Lines`], [`Record`], [`print()`] | the codec: bytes in, records out; no I/O |
 //! | [`Firmware`], [`Answers`] | whose firmware it is, by its answers; no I/O |
 //! | [`SlcanListener`] | an adapter as a controller that only listens |
 

@@ -15,6 +15,9 @@ const USBTIN: Hertz = Hertz::new(24_000_000).unwrap();
 /// Wider than the usual 80 to 87.5 %: edges may come early and late alike.
 const WIDE_SAMPLE_POINT: Permille = Permille::new(600).unwrap();
 
+/// A step of a sweep is 5 %: where a slow clock has no divisor nearby, a neighbour has to do.
+const WIDE_TOLERANCE_PPM: u32 = 30_000;
+
 /// What `sddxxyyzz` takes: as it is, one byte each.
 const CANABLE2: Limits =
     Limits::new(Span::new(1, 255), Span::new(1, 128), 128, Prescalers::range(1, 255));
@@ -65,7 +68,8 @@ fn registers(firmware: Firmware, candidate: &Candidate) -> Option<(Solution, Str
     if candidate.capture == Capture::Wide {
         request = request
             .with_sample_point(WIDE_SAMPLE_POINT, SamplePointPolicy::Nearest)
-            .with_sjw(SjwPolicy::Largest);
+            .with_sjw(SjwPolicy::Largest)
+            .with_tolerance_ppm(WIDE_TOLERANCE_PPM);
     }
     let solution = solve(&request, limits).ok()?;
     let text = match firmware {
@@ -161,6 +165,31 @@ mod tests {
         let word = u32::from_str_radix(&text[1..], 16).unwrap();
         let quanta = 1 + (word >> 16 & 0xFF) + (word >> 8 & 0xFF);
         assert_eq!(160_000_000 / ((word >> 24) * quanta), 83_333, "{text}");
+    }
+
+    /// 8 MHz has few divisors: a sweep that asked for its own rates alone would have gaps.
+    #[test]
+    fn a_sweep_has_no_gap_for_a_usual_rate() {
+        let sweep: Vec<f64> = (0..)
+            .map(|step| 10_000.0 * 1.05_f64.powi(step))
+            .take_while(|rate| *rate < 1e6)
+            .collect();
+        for firmware in [Firmware::Lawicel, Firmware::Usbtin] {
+            let made: Vec<u32> = sweep
+                .iter()
+                .filter_map(|rate| {
+                    let nominal = Bitrate::new(*rate as u32)?;
+                    let wide = Candidate { capture: Capture::Wide, ..Candidate::classic(nominal) };
+                    Some(command(firmware, &wide)?.rate.bits_per_second())
+                })
+                .collect();
+            for usual in
+                [10_000, 20_000, 33_333, 50_000, 83_333, 100_000, 125_000, 250_000, 500_000]
+            {
+                let near = made.iter().any(|rate| rate.abs_diff(usual) * 40 <= usual);
+                assert!(near, "{firmware:?} {usual}: {made:?}");
+            }
+        }
     }
 
     #[test]

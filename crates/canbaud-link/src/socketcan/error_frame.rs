@@ -98,11 +98,14 @@ mod tests {
         }
     }
 
+    /// Name, class bits, data, and what they mean.
+    type Case = (&'static str, u32, [u8; 8], (ErrorClass, ErrorPlace));
+
     /// What each driver makes of an error, from its source in Linux 6.12.
     #[test]
     fn drivers_say_the_same_thing_in_their_ways() {
         use ErrorClass::{Acknowledge, Bit, Crc, Form, Stuff, Unknown};
-        let cases: [(&str, u32, [u8; 8], (ErrorClass, ErrorPlace)); 12] = [
+        let cases: [Case; 12] = [
             // gs_usb of candleLight as candump showed it: PROT | BUSERROR | CNT, stuff, REC 6.
             ("gs_usb", 0x288, [0, 0, 4, 0, 0, 0, 0, 6], (Stuff, ErrorPlace::Unknown)),
             (

@@ -7,12 +7,14 @@
 
 mod error_frame;
 mod frame;
+mod hear;
 mod listener;
 pub mod netlink;
 pub(crate) mod raw;
 mod restore;
 mod rtnl;
 mod setup;
+mod wide;
 
 pub use listener::SocketCanListener;
 pub use rtnl::Rtnl;

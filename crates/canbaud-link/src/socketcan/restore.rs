@@ -50,7 +50,7 @@ impl Saved {
         if now.flags.is_up() {
             rtnl.change(now, &LinkChange::only(Change::Down))?;
         }
-        // Mostly it was the kernel that computed the segments, and does so again.
+        // Mostly it was the kernel that computed the segments, and will again.
         let mut tried = rtnl.change(now, &self.change(now, Form::Bitrate));
         let mut reached = rtnl.read_back(&now.name, now.index)?;
         let fixed = now.can.as_ref().is_some_and(|can| can.timing_const.is_none());
@@ -120,38 +120,33 @@ impl Saved {
             return Some(format!("its control mode is {is:#x}, it was {was:#x}"));
         }
         let pairs = [(self.timing, can.timing), (self.data_timing, can.data_timing)];
-        let rate = pairs.into_iter().find_map(|(was, is)| {
+        pairs.into_iter().find_map(|(was, is)| {
             let was = was?;
             let is = is.unwrap_or_default();
             (is.bitrate != was.bitrate).then(|| {
                 format!("its bit rate is {} bit/s, it was {} bit/s", is.bitrate, was.bitrate)
             })
-        });
-        rate
+        })
     }
 }
 
 /// How to say a bit timing to the kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Form {
-    /// Rate and sample point; the kernel computes the segments.
+    /// Rate, sample point and SJW; the kernel computes the segments.
     Bitrate,
     /// TQ and segments.
     Segments,
 }
 
 impl Form {
-    const fn of(self, timing: TimingInfo) -> TimingInfo {
+    fn of(self, timing: TimingInfo) -> TimingInfo {
         match self {
             Self::Bitrate => TimingInfo {
                 bitrate: timing.bitrate,
                 sample_point: timing.sample_point,
-                tq: 0,
-                prop_seg: 0,
-                phase_seg1: 0,
-                phase_seg2: 0,
-                sjw: 0,
-                brp: 0,
+                sjw: timing.sjw,
+                ..TimingInfo::default()
             },
             Self::Segments => TimingInfo { bitrate: 0, sample_point: 0, brp: 0, ..timing },
         }

@@ -2,6 +2,7 @@
 #![cfg(unix)]
 
 mod bench;
+mod bus;
 mod codec;
 mod firmwares;
 mod misbehaving;

@@ -162,6 +162,8 @@ impl Rate {
         if width == 0 {
             write!(f, "{}{space}{suffix}", rate / unit)
         } else {
+            // At most nine, said again where the compiler sees that no width is out of range.
+            let width: usize = width.min(9);
             write!(f, "{}.{fraction:0width$}{space}{suffix}", rate / unit)
         }
     }

@@ -109,8 +109,10 @@ fn for_each(request: &Request, limits: &Limits, mut visit: impl FnMut(Candidate)
         for span in limits.prescalers.spans() {
             let Some((lowest, highest)) = span.multiples() else { continue };
             let (low, high) = prescalers_within(u64::from(clock), unit * u64::from(n), request);
-            let low = low.div_ceil(u64::from(span.step)).max(lowest.into());
-            let high = (high / u64::from(span.step)).min(highest.into());
+            // Not 0, or there would be no multiples.
+            let step = u64::from(span.step.max(1));
+            let low = low.div_ceil(step).max(lowest.into());
+            let high = (high / step).min(highest.into());
             for multiple in low..=high {
                 let prescaler = multiple as u32 * u32::from(span.step);
                 let clocks = unit * u64::from(n) * u64::from(prescaler);

@@ -103,7 +103,7 @@ pub(super) fn parse(text: &str, quantity: &Quantity) -> Result<u64, ParseQuantit
 fn scale(value: u64, exponent: u32, decimals: u32) -> Option<u64> {
     let numerator = u128::from(value) * 10_u128.pow(exponent);
     let denominator = 10_u128.pow(decimals);
-    u64::try_from((numerator + denominator / 2) / denominator).ok()
+    u64::try_from((numerator + denominator / 2).checked_div(denominator)?).ok()
 }
 
 /// The power of ten that the text after the number stands for; `None` if it is not understood.

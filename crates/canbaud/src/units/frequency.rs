@@ -1,6 +1,7 @@
 //! Bit rates and clock frequencies.
 
 use core::fmt;
+use core::num::NonZeroU32;
 use core::str::FromStr;
 
 use super::decimal::{self, ParseQuantityError, Quantity};
@@ -20,7 +21,7 @@ use super::decimal::{self, ParseQuantityError, Quantity};
 ///            "value outside 1 to 4294967295 bit/s");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Bitrate(u32);
+pub struct Bitrate(NonZeroU32);
 
 impl Bitrate {
     const QUANTITY: Quantity = Quantity {
@@ -33,22 +34,23 @@ impl Bitrate {
     /// A rate of `bits_per_second`; `None` for 0.
     #[must_use]
     pub const fn new(bits_per_second: u32) -> Option<Self> {
-        match bits_per_second {
-            0 => None,
-            rate => Some(Self(rate)),
+        // `Option::map` is not const.
+        match NonZeroU32::new(bits_per_second) {
+            Some(rate) => Some(Self(rate)),
+            None => None,
         }
     }
 
     /// The rate in bit/s.
     #[must_use]
     pub const fn bits_per_second(self) -> u32 {
-        self.0
+        self.0.get()
     }
 }
 
 impl fmt::Display for Bitrate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        decimal::write_metric(f, u64::from(self.0))
+        decimal::write_metric(f, u64::from(self.0.get()))
     }
 }
 
@@ -56,8 +58,9 @@ impl FromStr for Bitrate {
     type Err = ParseQuantityError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let value = decimal::parse(text, &Self::QUANTITY)?;
         // The quantity bounds the value to 1..=u32::MAX.
-        decimal::parse(text, &Self::QUANTITY).map(|v| Self(u32::try_from(v).unwrap_or(u32::MAX)))
+        Ok(Self(u32::try_from(value).ok().and_then(NonZeroU32::new).unwrap_or(NonZeroU32::MAX)))
     }
 }
 

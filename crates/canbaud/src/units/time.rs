@@ -57,7 +57,9 @@ impl Timebase {
         let product = ticks as u128 * self.seconds as u128;
         let Some(scaled) = product.checked_mul(1_000_000_000) else { return None };
         let Some(sum) = scaled.checked_add(self.ticks as u128 / 2) else { return None };
-        let rounded = sum / self.ticks as u128;
-        if rounded > u64::MAX as u128 { None } else { Some(rounded as u64) }
+        match sum.checked_div(self.ticks as u128) {
+            Some(rounded) if rounded <= u64::MAX as u128 => Some(rounded as u64),
+            _ => None,
+        }
     }
 }

@@ -39,28 +39,31 @@ fn is_settled(reading: &Reading) -> bool {
 }
 
 /// The ways to place the grid on `activity`, the cheapest first.
-pub(crate) fn placements(
-    activity: Activity<'_>,
+pub(crate) fn placements<'a>(
+    activity: Activity<'a>,
     rates: &Rates,
-) -> impl Iterator<Item = Placement> + use<> {
-    let (best, _) = first_edge_error(activity.runs, rates.nominal);
-    let grid = |sof_error_q20| Placement { pace: Pace::Grid, sof_error_q20 };
+) -> impl Iterator<Item = Placement> + use<'a> {
+    let nominal = rates.nominal;
     // With many ticks a bit, rounding moves no edge far enough to need another grid.
-    let count = match rates.nominal.ticks_q20() >> 20 {
+    let count = match nominal.ticks_q20() >> 20 {
         0..8 => 6,
         8..32 => 4,
         _ => 2,
     };
-    [
-        Placement::ANCHORED,
-        Placement { pace: Pace::Gentle, sof_error_q20: 0 },
-        grid(best),
-        Placement { pace: Pace::Gentle, sof_error_q20: best },
-        grid(BIT_Q20 / 4),
-        grid(-BIT_Q20 / 4),
-    ]
-    .into_iter()
-    .take(count)
+    // How late the first edge was, once it is needed.
+    let mut late = None;
+    (0..count).map(move |index| {
+        let placement = |pace, sof_error_q20| Placement { pace, sof_error_q20 };
+        let mut late = || *late.get_or_insert_with(|| first_edge_error(activity.runs, nominal).0);
+        match index {
+            0 => Placement::ANCHORED,
+            1 => placement(Pace::Gentle, 0),
+            2 => placement(Pace::Grid, late()),
+            3 => placement(Pace::Gentle, late()),
+            4 => placement(Pace::Grid, BIT_Q20 / 4),
+            _ => placement(Pace::Grid, -BIT_Q20 / 4),
+        }
+    })
 }
 
 const fn other_crc(fd_crc: FdCrc) -> FdCrc {

@@ -3,21 +3,23 @@
 use super::line::Level;
 
 /// Words of a [`BitString`].
-const WORDS: usize = 12;
+const WORDS: usize = 24;
+/// Bits of a word.
+const WORD_BITS: usize = 32;
 
 /// Up to [`BitString::CAPACITY`] bits in wire order; a 1 is recessive.
 ///
 /// Bits past the capacity are not stored but counted, so that a reader notices.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct BitString {
-    words: [u64; WORDS],
+    words: [u32; WORDS],
     len: usize,
 }
 
 impl BitString {
     /// Bits that a string can hold. The longest frame, an extended CAN FD frame of 64 bytes,
     /// has at most 733 bits from SOF to EOF.
-    pub const CAPACITY: usize = WORDS * 64;
+    pub const CAPACITY: usize = WORDS * WORD_BITS;
 
     /// A string without bits.
     #[must_use]
@@ -50,39 +52,41 @@ impl BitString {
         if count == 0 {
             return;
         }
-        let masked = u64::from(bits) & ((1_u64 << count) - 1);
-        let used = (self.len % 64) as u32;
-        let word = self.len / 64;
+        // The bits at the top of a word, and how far down they belong.
+        let aligned = bits << (32 - count);
+        let used = self.len % WORD_BITS;
+        let word = self.len / WORD_BITS;
         self.len = self.len.saturating_add(count as usize);
-        let free = 64 - used;
-        if count <= free {
-            if let Some(w) = self.words.get_mut(word) {
-                *w |= masked << (free - count);
-            }
-        } else {
-            let spill = count - free;
-            if let Some(w) = self.words.get_mut(word) {
-                *w |= masked >> spill;
-            }
-            if let Some(w) = self.words.get_mut(word + 1) {
-                *w |= masked << (64 - spill);
-            }
+        if let Some(w) = self.words.get_mut(word) {
+            *w |= aligned >> used;
+        }
+        if used + count as usize > WORD_BITS
+            && let Some(w) = self.words.get_mut(word + 1)
+        {
+            *w |= aligned << (WORD_BITS - used);
         }
     }
 
     /// Appends `count` bits of one level.
     #[inline]
     pub fn push_run(&mut self, level: Level, count: u32) {
+        match level {
+            // What was never written is dominant.
+            Level::Dominant => self.len = self.len.saturating_add(count as usize),
+            Level::Recessive if count <= WORD_BITS as u32 => self.push(u32::MAX, count),
+            Level::Recessive => self.push_long_run(count),
+        }
+    }
+
+    #[inline(never)]
+    fn push_long_run(&mut self, count: u32) {
         // More would not be stored; a reader notices from the length all the same.
         let stored = count.min(2 * Self::CAPACITY as u32);
         self.len = self.len.saturating_add((count - stored) as usize);
         let mut left = stored;
         while left > 0 {
-            let step = if left < 32 { left } else { 32 };
-            match level {
-                Level::Recessive => self.push(u32::MAX, step),
-                Level::Dominant => self.push(0, step),
-            }
+            let step = left.min(WORD_BITS as u32);
+            self.push(u32::MAX, step);
             left -= step;
         }
     }
@@ -105,20 +109,20 @@ impl BitString {
         if count == 0 {
             return 0;
         }
-        let word = index / 64;
-        let offset = (index % 64) as u32;
+        let word = index / WORD_BITS;
+        let offset = index % WORD_BITS;
         let high = self.words.get(word).copied().unwrap_or(0) << offset;
         let low = match offset {
             0 => 0,
-            _ => self.words.get(word.saturating_add(1)).copied().unwrap_or(0) >> (64 - offset),
+            _ => self.words.get(word + 1).copied().unwrap_or(0) >> (WORD_BITS - offset),
         };
-        ((high | low) >> (64 - count)) as u32
+        (high | low) >> (32 - count)
     }
 
     /// Makes the bit at `index` dominant.
     pub fn set_dominant(&mut self, index: usize) {
-        if let Some(word) = self.words.get_mut(index / 64) {
-            *word &= !(1_u64 << (63 - index % 64));
+        if let Some(word) = self.words.get_mut(index / WORD_BITS) {
+            *word &= !(1 << (WORD_BITS - 1 - index % WORD_BITS));
         }
     }
 

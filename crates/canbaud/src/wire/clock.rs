@@ -1,10 +1,12 @@
 //! Ticks to bits by one multiplication.
 
+use crate::fixed::{div_wide, ratio_q20};
+
 /// One bit in the fixed-point form that this module and its users count in.
 pub(crate) const BIT_Q20: i32 = 1 << 20;
 
 /// Spans beyond this many bits (times 2^20) are counted as this many, so that sums fit: 256.
-const SPAN_MAX_Q20: i128 = 1 << 28;
+const SPAN_MAX_Q20: u64 = 1 << 28;
 
 /// A bit time, prepared so that a run of ticks becomes a number of bits without a division.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,7 +33,7 @@ impl BitClock {
         }
         // ticks_q20 has 21 to 49 bits; choose the shift that leaves a factor of 31 bits.
         let shift = ticks_q20.ilog2() - 20 + 10;
-        let factor = (1_u128 << (40 + shift)) / u128::from(ticks_q20);
+        let factor = div_wide(1 << (40 + shift), u128::from(ticks_q20));
         let ticks_max = (ticks_q20 >> 10).min(u64::from(u32::MAX));
         Some(Self { ticks_q20, factor: factor as u32, shift, ticks_max: ticks_max as u32 })
     }
@@ -55,8 +57,12 @@ impl BitClock {
 
     /// A signed number of ticks (times 2^20) in bits, times 2^20; saturates at 256 bits.
     pub(crate) fn signed_bits_q20(self, ticks_q20: i64) -> i32 {
-        let bits = (i128::from(ticks_q20) << 20) / i128::from(self.ticks_q20);
-        bits.clamp(-SPAN_MAX_Q20, SPAN_MAX_Q20) as i32
+        let bits = match ticks_q20 {
+            0 => 0,
+            _ => ratio_q20(ticks_q20.unsigned_abs(), self.ticks_q20).unwrap_or(SPAN_MAX_Q20),
+        };
+        let bits = bits.min(SPAN_MAX_Q20) as i32;
+        if ticks_q20 < 0 { -bits } else { bits }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::clock::{BIT_Q20, BitClock};
 
 /// Share of a bit that a bucket of the circle covers: 1/64.
-const BUCKETS: u32 = 64;
+pub(crate) const BUCKETS: u32 = 64;
 
 /// The arc of the bit circle that holds all edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,6 +44,19 @@ pub(crate) fn smallest_arc(mask: u64) -> Arc {
     // The arc begins where the longest gap ends; its middle lies half its length behind.
     let middle_128 = (2 * (longest_end + turn) + length) % (2 * BUCKETS);
     Arc { length, middle_q20: (middle_128 << 13) as i32 }
+}
+
+/// Whether `length` neighbouring buckets, or more, are empty.
+pub(crate) const fn has_gap(mask: u64, length: u32) -> bool {
+    // Bit n is set if `known` buckets from n on are empty.
+    let mut empty = !mask;
+    let mut known = 1;
+    while known < length {
+        let more = if length - known < known { length - known } else { known };
+        empty &= empty.rotate_right(more);
+        known += more;
+    }
+    empty != 0 || length == 0
 }
 
 /// The bucket of the circle that an edge `position_q20` bits (times 2^20) behind the origin
@@ -100,6 +113,13 @@ mod tests {
             }
             let arc = smallest_arc(mask);
             assert_eq!(arc.length, smallest_by_trial(mask), "mask {mask:064b}");
+            for length in 0..=64 {
+                assert_eq!(
+                    has_gap(mask, length),
+                    length <= 64 - arc.length,
+                    "{length} {mask:064b}"
+                );
+            }
         }
     }
 

@@ -1,5 +1,7 @@
 //! Sums over the edges of one frame from which its bit time follows by least squares.
 
+use crate::fixed::{div_small, ratio_q20};
+
 /// Sums over edges of one polarity: edge `k` lies `m_k` bits and `t_k` ticks after the first
 /// edge of the phase.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -50,10 +52,7 @@ impl Fit {
     /// Bit time in ticks times 2^20; `None` if the edges do not determine one.
     #[must_use]
     pub fn ticks_q20(&self) -> Option<u64> {
-        if self.sxx_q8 == 0 {
-            return None;
-        }
-        u64::try_from((u128::from(self.sxy_q8) << 20) / u128::from(self.sxx_q8)).ok()
+        ratio_q20(self.sxy_q8, self.sxx_q8)
     }
 }
 
@@ -71,12 +70,9 @@ impl PhaseSums {
         };
         if let (Some(ticks_q20), true) = (fit.ticks_q20(), self.falling.n > 0 && self.rising.n > 0)
         {
-            let late = |s: &EdgeSums| {
-                let t = i128::from(s.t) << 20;
-                (t - i128::from(ticks_q20) * i128::from(s.m)) / i128::from(s.n)
-            };
-            let difference = (late(&self.rising) - late(&self.falling)) >> 12;
-            fit.asymmetry_q8 = difference.clamp(i128::from(i32::MIN), i128::from(i32::MAX)) as i32;
+            let difference = self.rising.late_q20(ticks_q20) - self.falling.late_q20(ticks_q20);
+            let late_q8 = (difference >> 12).clamp(i64::from(i32::MIN), i64::from(i32::MAX));
+            fit.asymmetry_q8 = late_q8 as i32;
         }
         fit
     }
@@ -84,13 +80,25 @@ impl PhaseSums {
 
 impl EdgeSums {
     /// Sums of squares and products about the means, times 2^8.
+    ///
+    /// A frame has less than 2^10 edges and bits, so every product fits 64 bits.
     fn centred_q8(&self) -> (u64, u64) {
         if self.n < 2 {
             return (0, 0);
         }
-        let n = u128::from(self.n);
-        let xx = n * u128::from(self.mm) - u128::from(self.m) * u128::from(self.m);
-        let xy = (n * u128::from(self.mt)).saturating_sub(u128::from(self.m) * u128::from(self.t));
-        (((xx << 8) / n) as u64, ((xy << 8) / n) as u64)
+        let (n, m) = (u64::from(self.n), u64::from(self.m));
+        let xx = n.wrapping_mul(self.mm).wrapping_sub(m.wrapping_mul(m));
+        let xy = n.wrapping_mul(self.mt).saturating_sub(m.wrapping_mul(self.t));
+        let whole = div_small(xy, self.n);
+        let rest = xy - whole * n;
+        (div_small(xx << 8, self.n), (whole << 8) + div_small(rest << 8, self.n))
+    }
+
+    /// Mean of the ticks that the edges are behind a grid of `ticks_q20`, times 2^20.
+    fn late_q20(&self, ticks_q20: u64) -> i64 {
+        let grid = ticks_q20.wrapping_mul(u64::from(self.m));
+        let late = (self.t << 20).wrapping_sub(grid) as i64;
+        let mean = div_small(late.unsigned_abs(), self.n) as i64;
+        if late < 0 { -mean } else { mean }
     }
 }

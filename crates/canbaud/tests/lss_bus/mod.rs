@@ -78,6 +78,8 @@ pub struct Bus {
     requests: u32,
     /// How much longer each slave takes, µs.
     pub slower: Vec<u64>,
+    /// How much longer everybody takes to answer the first question, µs.
+    pub slow_start: u64,
 }
 
 pub fn slave(address: LssAddress, node_id: u8) -> Slave {
@@ -102,6 +104,7 @@ impl Bus {
             dies_after: None,
             requests: 0,
             slower: Vec::new(),
+            slow_start: 0,
         }
     }
 
@@ -110,6 +113,7 @@ impl Bus {
         if self.dies_after.is_some_and(|limit| self.requests > limit) {
             return;
         }
+        let slow_start = core::mem::take(&mut self.slow_start);
         let mut first: Option<Micros> = None;
         for index in 0..self.slaves.len() {
             if self.chance.permille(self.way.lost) {
@@ -121,6 +125,7 @@ impl Bus {
                     SlaveAction::Send(frame) => {
                         let mut travel = self.chance.between(self.way.round_trip);
                         travel += self.slower.get(index).copied().unwrap_or(0);
+                        travel += slow_start;
                         if self.chance.permille(self.way.late) {
                             travel *= 10;
                         }

@@ -27,7 +27,7 @@ pub(crate) struct LiveArgs {
     #[arg(long)]
     pub(crate) fd: bool,
 
-    /// How to go from rate to rate: default, koppe (the first message without an error), fixed-dwell
+    /// How to go from rate to rate: default, koppe (the first message without an error), fixed-dwell, survey
     #[arg(long, value_name = "NAME", default_value = "default", hide_default_value = true)]
     pub(crate) policy: Policy,
 
@@ -84,12 +84,13 @@ impl LiveArgs {
     /// What does not go together with a live bus, or with this one.
     pub(super) fn refusal(&self, all: &DetectArgs, source: &LiveSource) -> Option<&'static str> {
         let slcan = matches!(source, LiveSource::Slcan { .. });
+        let interface = matches!(source, LiveSource::Interface(_));
         if all.sources.len() > 1 {
             Some("a live bus is looked at alone: one source")
         } else if all.reading.is_used() || all.expected.is_some() || all.jobs.is_some() {
             Some("an option for capture files was given with a live bus")
-        } else if slcan && (self.apply || self.save.is_some()) {
-            Some("--apply and --save need an interface of Linux; a slcan adapter forgets its rate")
+        } else if !interface && (self.apply || self.save.is_some()) {
+            Some("--apply and --save need an interface of Linux, such as can0")
         } else if self.trust_m1 && !slcan {
             Some("--trust-m1 is for slcan adapters")
         } else if self.normal && !self.apply && self.save.is_none() {

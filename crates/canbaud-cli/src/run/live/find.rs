@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use canbaud::detect::scan::{
-    Driver, FdSeen, Found, Misfit, Outcome as Said, Progress, Scan, Standing,
+    Driver, FdSeen, FdSupport, Found, Misfit, Outcome as Said, Policy, Progress, Scan, Settings,
+    Standing,
 };
 use canbaud::rates;
 use canbaud::units::{Bitrate, Micros};
@@ -48,6 +49,9 @@ struct Stages {
     tried: Vec<Standing>,
     bound: Option<Micros>,
     visits: u32,
+    elapsed: Micros,
+    /// The rate is known to about 2 % only.
+    roughly: bool,
 }
 
 impl Finding<'_> {
@@ -59,19 +63,13 @@ impl Finding<'_> {
         watch: &mut Watch,
     ) -> Result<Ended, LinkError> {
         watch.start(&listener.describe(), plan, &listener.remarks());
-        let mut all = self.stage(listener, &plan.candidates, plan, watch)?;
-        if let (Stage::Said(Said::Found(found)), true) = (&all.stage, plan.recentre) {
-            let around = Plan::around(found.nominal());
-            if !around.as_slice().is_empty() {
-                let next = self.stage(listener, &around, plan, watch)?;
-                all.then(next);
-            }
+        let mut all = self.stage(listener, &plan.candidates, plan.settings, watch)?;
+        if plan.recentre {
+            self.recentre(listener, plan, watch, &mut all)?;
         }
-        if let (Stage::Said(Said::Found(found)), false) = (&all.stage, plan.data.is_empty())
-            && found.fd != FdSeen::Switched
-            && found.errors > 0
-        {
-            let next = self.stage(listener, &plan.with_data(found.nominal()), plan, watch)?;
+        let nominals = all.without_data_rate();
+        if !plan.data.is_empty() && !nominals.is_empty() {
+            let next = self.stage(listener, &plan.with_data(&nominals), plan.settings, watch)?;
             all.then(next);
         }
         if let Stage::Stopped(signal) = all.stage {
@@ -80,15 +78,43 @@ impl Finding<'_> {
         Ok(Ended::Judged(self.report(listener, plan, &all, watch)))
     }
 
+    /// Behind a sweep: the known rates around what was caught; if it is none of them, every rate
+    /// around it, the middle of which is the answer.
+    fn recentre(
+        &self,
+        listener: &mut dyn Listener,
+        plan: &Plan,
+        watch: &mut Watch,
+        all: &mut Stages,
+    ) -> Result<(), LinkError> {
+        let Stage::Said(Said::Found(caught)) = all.stage else { return Ok(()) };
+        let known = Plan::around(caught.nominal());
+        if !known.as_slice().is_empty() {
+            let next = self.stage(listener, &known, plan.settings, watch)?;
+            let found = !matches!(next.stage, Stage::Said(Said::NoCandidateFits(_)));
+            all.then(next);
+            if found {
+                return Ok(());
+            }
+        }
+        // Seventeen of a hundred and twenty-eight.
+        let Ok(around) = List::around(&caught) else { return Ok(()) };
+        let settings = Settings { policy: Policy::Survey, ..plan.settings };
+        let next = self.stage(listener, &around, settings, watch)?;
+        all.then(next);
+        all.roughly = true;
+        Ok(())
+    }
+
     fn stage(
         &self,
         listener: &mut dyn Listener,
         candidates: &List,
-        plan: &Plan,
+        settings: Settings,
         watch: &mut Watch,
     ) -> Result<Stages, LinkError> {
         let clock = self.clock;
-        let scan: Scan<ROOM> = Scan::new(candidates, &listener.capabilities(), plan.settings);
+        let scan: Scan<ROOM> = Scan::new(candidates, &listener.capabilities(), settings);
         let bound = scan.bound();
         let mut driver = Driver::new(listener, scan, |_: &&mut dyn Listener| clock.now());
         let stage = loop {
@@ -111,7 +137,14 @@ impl Finding<'_> {
         };
         let status = driver.scan().status(clock.now());
         let tried = driver.scan().standings().filter(|one| one.visits > 0 || one.refused).collect();
-        Ok(Stages { stage, tried, bound, visits: status.visits })
+        Ok(Stages {
+            stage,
+            tried,
+            bound,
+            visits: status.visits,
+            elapsed: status.elapsed,
+            roughly: false,
+        })
     }
 
     fn report(
@@ -127,14 +160,20 @@ impl Finding<'_> {
             outcome: Outcome::Undecided,
             need: None,
             found: None,
-            elapsed: self.clock.now(),
+            elapsed: all.elapsed,
             bound: all.bound,
             visits: all.visits,
             tried: all.tried.clone(),
             caveats: Vec::new(),
         };
         match &all.stage {
-            Stage::Said(Said::Found(found)) => judge_found(&mut report, found),
+            Stage::Said(Said::Found(found)) => {
+                judge_found(&mut report, found);
+                if all.roughly {
+                    let text = "This is no rate that is known: it is known to about 2 %.";
+                    caveat(&mut report, "roughly", text);
+                }
+            }
             Stage::Said(Said::Silent) => {
                 report.outcome = Outcome::NoTraffic;
                 report.need = Some("nothing was heard at any of the rates".to_owned());
@@ -158,6 +197,12 @@ impl Finding<'_> {
                 report.need = Some("no verdict in the time that was given".to_owned());
             }
         }
+        if report.found.is_none()
+            && plan.data.is_empty()
+            && listener.capabilities().fd == FdSupport::Fd
+        {
+            caveat(&mut report, "no_fd", "CAN FD was not tried: --fd does.");
+        }
         if report.found.is_none() && !plan.left_out.is_empty() {
             let rates: Vec<String> =
                 plan.left_out.iter().map(|rate| bitrate(rate.bits_per_second())).collect();
@@ -168,11 +213,30 @@ impl Finding<'_> {
     }
 }
 
+/// Nominal rates that are tried with every data bit rate where none was found.
+const LIKELIEST: usize = 4;
+
 impl Stages {
+    /// Nominal rates at which frames may have been lost for another data bit rate.
+    fn without_data_rate(&self) -> Vec<Bitrate> {
+        match &self.stage {
+            Stage::Said(Said::Found(found)) if found.fd != FdSeen::Switched && found.errors > 0 => {
+                vec![found.nominal()]
+            }
+            Stage::Said(Said::NoCandidateFits(_)) => {
+                let mut tried = self.tried.clone();
+                tried.sort_by_key(|one| std::cmp::Reverse(one.weight));
+                tried.iter().take(LIKELIEST).map(|one| one.candidate.nominal).collect()
+            }
+            Stage::Said(_) | Stage::TimedOut | Stage::Stopped(_) => Vec::new(),
+        }
+    }
+
     /// Adds the next stage; the rate stands where that finds none.
     fn then(&mut self, next: Self) {
         self.tried.extend(next.tried);
         self.visits = self.visits.saturating_add(next.visits);
+        self.elapsed = self.elapsed + next.elapsed;
         self.bound = self.bound.zip(next.bound).map(|(first, second)| first + second);
         if matches!(next.stage, Stage::Said(Said::Found(_)) | Stage::Stopped(_)) {
             self.stage = next.stage;

@@ -61,7 +61,7 @@ pub(crate) fn live(args: &DetectArgs, source: &LiveSource, color: When) -> Exit 
     watch.finish();
     // What is gone cannot be put back, and that was said already.
     let gone = matches!(ended, Err(LinkError::Gone { .. }));
-    let exit = conclude(args, source, color, &mut *listener, ended);
+    let exit = conclude(args, source, color, &mut *listener, &stop, ended);
     match listener.restore() {
         Err(error) if !gone => exit.max(fail(args, source, &error)),
         Ok(()) | Err(_) => exit,
@@ -74,6 +74,7 @@ fn conclude(
     source: &LiveSource,
     color: When,
     listener: &mut dyn Listener,
+    stop: &Stop,
     ended: Result<Ended, LinkError>,
 ) -> Exit {
     let report = match ended {
@@ -82,7 +83,11 @@ fn conclude(
             eprintln!("canbaud: {source}: stopped by a signal, put back as it was found");
             return Exit::Stopped(signal);
         }
-        Err(error) => return fail(args, source, &error),
+        // What a signal interrupted is its doing.
+        Err(error) => match stop.signal() {
+            Some(signal) => return Exit::Stopped(signal),
+            None => return fail(args, source, &error),
+        },
     };
     let exit = Exit::from(report.outcome);
     match write(args, &report, color) {

@@ -1,7 +1,7 @@
 //! From what the user said to what the scan is told.
 
 use canbaud::detect::scan::{
-    Candidate, Candidates, Capabilities, End, FdSupport, Settings, TooMany,
+    Candidate, Candidates, Capabilities, End, FdSupport, RateChoice, Settings, TooMany,
 };
 use canbaud::rates;
 use canbaud::units::Bitrate;
@@ -40,7 +40,7 @@ pub(super) struct Plan {
 
 impl Plan {
     pub(super) fn new(args: &LiveArgs, can: &Capabilities<'_>) -> Result<Self, String> {
-        let list = list(args).map_err(|error| error.to_string())?;
+        let list = list(args, &can.rates).map_err(|error| error.to_string())?;
         if args.fd && can.fd == FdSupport::Classic {
             return Err("--fd was given, but this adapter receives classic frames only".to_owned());
         }
@@ -60,7 +60,8 @@ impl Plan {
             true => within.with_data(&[DATA]).map_err(|error| error.to_string())?,
             false => within,
         };
-        Ok(Self { candidates, left_out, settings, data, recentre: args.sweep.is_some() })
+        let recentre = args.sweep.is_some() && matches!(can.rates, RateChoice::Between(..));
+        Ok(Self { candidates, left_out, settings, data, recentre })
     }
 
     /// What to try behind a sweep that caught something at `caught`: the rates that the wide bit
@@ -79,18 +80,25 @@ impl Plan {
         list
     }
 
-    /// All data bit rates at the nominal one that was found.
-    pub(super) fn with_data(&self, nominal: Bitrate) -> List {
+    /// All data bit rates at each of these nominal ones.
+    pub(super) fn with_data(&self, nominals: &[Bitrate]) -> List {
         let mut list = List::new();
-        for data in self.data.iter().filter(|data| **data >= nominal) {
-            // Thirteen.
-            let _ = list.push(Candidate { data: Some(*data), ..Candidate::classic(nominal) });
+        for nominal in nominals {
+            for data in self.data.iter().filter(|data| *data >= nominal) {
+                // Thirteen for each of four at most.
+                let _ = list.push(Candidate { data: Some(*data), ..Candidate::classic(*nominal) });
+            }
         }
         list
     }
 }
 
-fn list(args: &LiveArgs) -> Result<List, TooMany> {
+fn list(args: &LiveArgs, choice: &RateChoice<'_>) -> Result<List, TooMany> {
+    if let (Some(sweep), RateChoice::Only(rates)) = (args.sweep, choice) {
+        // There are no others to sweep over.
+        let within = rates.iter().filter(|rate| (sweep.low..=sweep.high).contains(rate));
+        return List::of_rates(&within.copied().collect::<Vec<_>>());
+    }
     if let Some(sweep) = args.sweep {
         return List::sweep(sweep.low, sweep.high);
     }

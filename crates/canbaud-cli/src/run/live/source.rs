@@ -1,8 +1,9 @@
 //! Which of the sources is a live bus.
 
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use canbaud_link::replay::ReplayListener;
 use canbaud_link::slcan::{SilentMode, SlcanListener};
 use canbaud_link::{Clock, LinkError, Listener};
 
@@ -23,6 +24,13 @@ pub(crate) enum LiveSource {
         /// Its bit rate.
         baud: u32,
     },
+    /// A capture file that plays the bus.
+    Replay {
+        /// Its path.
+        path: PathBuf,
+        /// Its channel; the first one unless it is named.
+        channel: Option<String>,
+    },
 }
 
 impl LiveSource {
@@ -40,6 +48,13 @@ impl LiveSource {
                 None => (rest, BAUD),
             };
             return Some(Self::Slcan { port: port.to_owned(), baud });
+        }
+        if let Some(rest) = text.strip_prefix("replay:") {
+            let (path, channel) = match rest.rsplit_once('#') {
+                Some((path, channel)) => (path, Some(channel.to_owned())),
+                None => (rest, None),
+            };
+            return Some(Self::Replay { path: PathBuf::from(path), channel });
         }
         if let Some(name) = text.strip_prefix("socketcan:") {
             return Some(Self::Interface(name.to_owned()));
@@ -61,6 +76,9 @@ impl LiveSource {
             Self::Slcan { port, baud } => {
                 let silent = if args.trust_m1 { SilentMode::Trusted } else { SilentMode::Refused };
                 Ok(Box::new(SlcanListener::open(port, *baud, silent, clock)?))
+            }
+            Self::Replay { path, channel } => {
+                Ok(Box::new(ReplayListener::open(path, channel.as_deref(), clock)?))
             }
         }
     }
@@ -87,10 +105,11 @@ fn is_called_like_one(text: &str) -> bool {
 impl fmt::Display for LiveSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match self {
-            Self::Interface(name) => name,
-            Self::Slcan { port, .. } => port,
+            Self::Interface(name) => name.into(),
+            Self::Slcan { port, .. } => port.into(),
+            Self::Replay { path, .. } => path.to_string_lossy(),
         };
-        f.write_str(&crate::printable::printable(text))
+        f.write_str(&crate::printable::printable(&text))
     }
 }
 
@@ -112,6 +131,16 @@ mod tests {
         assert_eq!(parse("slcan:/dev/ttyUSB0@3000000"), slcan("/dev/ttyUSB0", 3_000_000));
         assert_eq!(parse("slcan:COM3"), slcan("COM3", 115_200));
         assert_eq!(parse("slcan:/dev/odd@name"), slcan("/dev/odd@name", 115_200));
+    }
+
+    #[test]
+    fn a_replay_may_name_its_channel() {
+        let replay = |path: &str, channel: Option<&str>| {
+            let channel = channel.map(str::to_owned);
+            Some(LiveSource::Replay { path: PathBuf::from(path), channel })
+        };
+        assert_eq!(parse("replay:bus.sr"), replay("bus.sr", None));
+        assert_eq!(parse("replay:a b/bus.sr#CAN RX"), replay("a b/bus.sr", Some("CAN RX")));
     }
 
     #[test]

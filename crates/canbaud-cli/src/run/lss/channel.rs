@@ -16,8 +16,15 @@ use crate::run::live::LiveSource;
 /// A channel that the user named.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Channel {
-    /// A bus with wires.
-    Live(LiveSource),
+    /// An interface of Linux.
+    Interface(String),
+    /// A serial port with a slcan adapter.
+    Slcan {
+        /// Its path.
+        port: String,
+        /// Its bit rate.
+        baud: u32,
+    },
     /// UDP multicast.
     Multicast(Ipv4Addr, u16),
 }
@@ -35,7 +42,12 @@ impl FromStr for Channel {
             LiveSource::parse(Path::new(text))
         };
         let wanted = "a channel is wanted: can0, slcan:/dev/ttyACM0 or udp:239.74.163.2:43113";
-        source.map(Self::Live).ok_or_else(|| wanted.to_owned())
+        match source {
+            Some(LiveSource::Interface(name)) => Ok(Self::Interface(name)),
+            Some(LiveSource::Slcan { port, baud }) => Ok(Self::Slcan { port, baud }),
+            Some(LiveSource::Replay { .. }) => Err("nothing can be sent to a recording".to_owned()),
+            None => Err(wanted.to_owned()),
+        }
     }
 }
 
@@ -56,7 +68,9 @@ fn multicast(text: &str) -> Result<Channel, String> {
 impl fmt::Display for Channel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Live(source) => source.fmt(f),
+            Self::Interface(name) | Self::Slcan { port: name, .. } => {
+                f.write_str(&crate::printable::printable(name))
+            }
             Self::Multicast(group, port) => write!(f, "udp:{group}:{port}"),
         }
     }
@@ -67,7 +81,7 @@ impl Channel {
     pub(super) fn open(&self, bitrate: Option<Bitrate>) -> Result<Box<dyn FrameBus>, Trouble> {
         Ok(match self {
             #[cfg(target_os = "linux")]
-            Self::Live(LiveSource::Interface(name)) => {
+            Self::Interface(name) => {
                 let mut bus = SocketCanBus::open(name)?;
                 if let Some(bitrate) = bitrate {
                     bus.set_bitrate(bitrate)?;
@@ -75,10 +89,10 @@ impl Channel {
                 Box::new(bus)
             }
             #[cfg(not(target_os = "linux"))]
-            Self::Live(LiveSource::Interface(_)) => {
+            Self::Interface(_) => {
                 return Err(canbaud_link::LinkError::NoKernelCan.into());
             }
-            Self::Live(LiveSource::Slcan { port, baud }) => {
+            Self::Slcan { port, baud } => {
                 let bitrate = bitrate.ok_or_else(|| {
                     Trouble::Usage(format!(
                         "{port} needs --bitrate: an adapter has none of its own"
@@ -94,10 +108,8 @@ impl Channel {
     /// one.
     pub(super) fn is_virtual(&self) -> bool {
         match self {
-            Self::Live(LiveSource::Interface(name)) => {
-                name.starts_with("vcan") || name.starts_with("vxcan")
-            }
-            Self::Live(LiveSource::Slcan { .. }) => false,
+            Self::Interface(name) => name.starts_with("vcan") || name.starts_with("vxcan"),
+            Self::Slcan { .. } => false,
             Self::Multicast(..) => true,
         }
     }
@@ -109,17 +121,16 @@ mod tests {
 
     #[test]
     fn channels_are_told_by_their_form() {
-        let interface = |name: &str| Ok(Channel::Live(LiveSource::Interface(name.to_owned())));
+        let interface = |name: &str| Ok(Channel::Interface(name.to_owned()));
         assert_eq!("can0".parse(), interface("can0"));
         assert_eq!("vcan0".parse(), interface("vcan0"));
         for text in ["/dev/ttyACM0", "slcan:/dev/ttyACM0"] {
             let port = "/dev/ttyACM0".to_owned();
-            let serial = LiveSource::Slcan { port, baud: 115_200 };
-            assert_eq!(text.parse(), Ok(Channel::Live(serial)), "{text}");
+            assert_eq!(text.parse(), Ok(Channel::Slcan { port, baud: 115_200 }), "{text}");
         }
         let udp = Channel::Multicast(Ipv4Addr::new(239, 0, 0, 1), 5000);
         assert_eq!("udp:239.0.0.1:5000".parse(), Ok(udp));
-        for bad in ["udp:10.0.0.1", "udp:239.0.0.1:x", "bus.sr"] {
+        for bad in ["udp:10.0.0.1", "udp:239.0.0.1:x", "bus.sr", "replay:bus.sr"] {
             assert!(bad.parse::<Channel>().is_err(), "{bad}");
         }
     }

@@ -7,7 +7,8 @@ use canbaud::lss::{LssAddress, RateSetting, Service, ServiceError};
 use canbaud_link::lss::Activated;
 use serde_json::json;
 
-use super::args::{AutoArgs, InquireArgs, SetBitrateArgs, SetNodeIdArgs, StoreArgs, TableIndex};
+use super::args::{AutoArgs, InquireArgs, SetBitrateArgs, SetNodeIdArgs, StoreArgs};
+use super::parse::TableIndex;
 use super::session::Session;
 use super::trouble::Trouble;
 

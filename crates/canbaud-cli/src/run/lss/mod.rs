@@ -4,6 +4,7 @@ mod args;
 mod channel;
 mod configure;
 mod network;
+mod parse;
 mod scan;
 mod serve;
 mod session;

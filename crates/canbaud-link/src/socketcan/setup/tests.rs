@@ -38,6 +38,16 @@ fn device(driver: &str) -> Device {
 const LISTEN: u32 = ctrlmode::LISTEN_ONLY;
 const REPORT: u32 = ctrlmode::LISTEN_ONLY | ctrlmode::BERR_REPORTING;
 
+/// Trap: an adapter keeps frames in a queue of its own over a change of rate.
+#[test]
+fn what_has_a_queue_of_its_own_is_given_time_to_empty_it() {
+    let settle = |device| Profile::of(&link(controller(LISTEN)), &device).unwrap().settle;
+    let candle = Device { driver: Some("gs_usb".to_owned()), usb: Some((0x606F, 0x0100)) };
+    assert!(settle(candle) > Duration::from_millis(4));
+    assert!(settle(device("slcan")) > Duration::from_millis(4));
+    assert_eq!(settle(device("flexcan")), Duration::ZERO);
+}
+
 #[test]
 fn drivers_without_listen_only_are_refused_with_the_reason() {
     let error = Profile::of(&link(controller(0)), &device("ems_usb")).unwrap_err();

@@ -4,9 +4,10 @@
 //! the CRC delimiter. The edges in between lie on a grid of their own, anchored at the first edge
 //! to dominant behind BRS; how many bits the recessive run with BRS holds is tried out.
 
-use super::coarse;
-use super::comb::{self, Slack};
-use super::prove::{Attempt, Proof, Proposals};
+use super::bit_times::BitTimes;
+use super::comb::Slack;
+use super::proposals::{Method, Proposals, Tried};
+use super::prove::{Attempt, Proof};
 use crate::wire::clock::BitClock;
 use crate::wire::reader::{Activity, DataRate, Placement, Rates};
 use crate::wire::{DataRateWanted, DataTiming, FdCrc};
@@ -34,19 +35,24 @@ pub(super) fn prove(
     // From the edge to dominant behind BRS on.
     let data_runs = activity.runs.get(brs_run + 1..end)?;
     let brs_ticks = *activity.runs.get(brs_run)?;
-    let mut proposals = Proposals::new();
-    coarse::propose(data_runs, &mut proposals);
-    comb::propose(data_runs, Slack::Loose, &mut proposals);
-    for bit_q20 in proposals.iter() {
-        // The data rate is never below the nominal one.
-        if bit_q20 > rates.nominal.ticks_q20() + rates.nominal.ticks_q20() / 50 {
-            continue;
-        }
-        let Some(clock) = BitClock::new(on_ratio(bit_q20, rates.nominal.ticks_q20())) else {
-            continue;
-        };
-        if let Some(proof) = prove_at(activity, rates, clock, brs_ticks, compared) {
-            return Some(proof);
+    // The data rate is never below the nominal one.
+    let nominal_q20 = rates.nominal.ticks_q20();
+    let bit_times = BitTimes { min_q20: 0, max_q20: nominal_q20 + nominal_q20 / 50 };
+    let mut tried = Tried::new();
+    for method in [Method::Coarse, Method::Comb(Slack::Loose)] {
+        let mut proposals = Proposals::new(method, data_runs, bit_times);
+        while !tried.is_full()
+            && let Some(proposal) = proposals.next()
+        {
+            if tried.enter(proposal).is_none() || proposal.bit_q20 > bit_times.max_q20 {
+                continue;
+            }
+            let Some(clock) = BitClock::new(on_ratio(proposal.bit_q20, nominal_q20)) else {
+                continue;
+            };
+            if let Some(proof) = prove_at(activity, rates, clock, brs_ticks, compared) {
+                return Some(proof);
+            }
         }
     }
     None

@@ -5,6 +5,7 @@
 //! them so far.
 
 use super::places::{Place, Places};
+use crate::fixed::div_small;
 
 /// How far an edge strays from the grid, in ticks times 2^10.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,7 +26,7 @@ impl Stray {
         // The slope and two means are fitted.
         let freedom = (falling.count + rising.count).saturating_sub(3).max(1);
         Self {
-            variance_q20: falling.squares.saturating_add(rising.squares) / freedom,
+            variance_q20: div_small(falling.squares.saturating_add(rising.squares), freedom as u32),
             farthest_q10: falling.farthest.max(rising.farthest),
             asymmetry_q10: match (falling.count, rising.count) {
                 (0, _) | (_, 0) => 0,
@@ -58,14 +59,24 @@ struct Group {
 impl Group {
     fn of<'a>(places: impl Iterator<Item = &'a Place> + Clone, ticks_q20: u64) -> Self {
         let deviation = |place: &Place| {
-            let grid = (u128::from(place.bits) * u128::from(ticks_q20)) >> 10;
+            let bits = u64::from(place.bits);
+            // In two parts, because the product may have more than 64 bits.
+            let grid = bits * (ticks_q20 >> 10) + ((bits * (ticks_q20 & 0x3FF)) >> 10);
             (i64::from(place.ticks) << 10) - grid as i64
         };
-        let count = places.clone().count() as i64;
-        let sum: i64 = places.clone().map(deviation).sum();
-        let mean = sum / count.max(1);
+        let (mut count, mut sum, mut least, mut greatest) = (0_u64, 0_i64, i64::MAX, i64::MIN);
+        for off in places.clone().map(deviation) {
+            count += 1;
+            sum += off;
+            least = least.min(off);
+            greatest = greatest.max(off);
+        }
+        if count == 0 {
+            return Self { count, mean: 0, squares: 0, farthest: 0 };
+        }
+        let mean = div_small(sum.unsigned_abs(), count as u32) as i64 * sum.signum();
         let off = places.map(|place| deviation(place).abs_diff(mean));
-        let squares = off.clone().fold(0_u64, |sum, o| sum.saturating_add(o.saturating_mul(o)));
-        Self { count: count as u64, mean, squares, farthest: off.max().unwrap_or(0) }
+        let squares = off.fold(0_u64, |sum, o| sum.saturating_add(o.saturating_mul(o)));
+        Self { count, mean, squares, farthest: mean.abs_diff(least).max(mean.abs_diff(greatest)) }
     }
 }

@@ -6,6 +6,7 @@
 //! edges lie on the grid (`lattice`); `measure` and
 //! `interval` turn the edges of proven frames into a bit time with its uncertainty. [`PulseDetector`] is all of it.
 
+mod bit_times;
 mod coarse;
 mod comb;
 mod data_rate;
@@ -16,6 +17,7 @@ mod lattice;
 mod measure;
 mod minimum;
 mod places;
+mod proposals;
 mod prove;
 mod segment;
 

@@ -1,17 +1,17 @@
 //! Proof: a proposal counts only when the frame, read at it, has its CRC right.
 
+use super::bit_times::BitTimes;
 use super::comb::Slack;
 use super::data_rate;
+use super::interval::{self, Interval};
 use super::lattice::Stray;
 use super::places::Places;
-use super::{coarse, comb};
+use super::proposals::{Method, Proposals, Tried};
+use crate::fixed::div_small;
 use crate::wire::attempts::placements;
 use crate::wire::clock::BitClock;
 use crate::wire::reader::{Activity, Outcome, Placement, Rates, Reading, read};
-use crate::wire::{FdCrc, Received};
-
-/// Most bit times tried for one frame.
-const PROPOSALS_MAX: usize = 48;
+use crate::wire::{FdCrc, Fit, Received};
 
 /// Two bit times closer than this share of one another are the same rate: 1/64.
 pub(super) const SAME_RATE_SHIFT: u32 = 6;
@@ -24,41 +24,16 @@ pub(super) struct Idle {
 }
 
 impl Idle {
-    /// Whether a frame with `bit_q20` ticks a bit (times 2^20) can stand here: ten bits are sure
-    /// before it, rounding may take one; eight behind it, where an overload flag may follow.
+    /// Whether a frame with `bit_q20` ticks a bit (times 2^20) can stand here.
     pub(super) fn suits(self, bit_q20: u64) -> bool {
-        let half_bits = |ticks: u32| u128::from(ticks) << 21;
-        let bit = u128::from(bit_q20);
-        half_bits(self.before) >= 18 * bit && half_bits(self.behind) >= 15 * bit
-    }
-}
-
-/// Bit times to try, in ticks times 2^20, in the order of trying.
-#[derive(Debug, Clone)]
-pub(super) struct Proposals {
-    bits: [u64; PROPOSALS_MAX],
-    len: usize,
-}
-
-impl Proposals {
-    pub(super) const fn new() -> Self {
-        Self { bits: [0; PROPOSALS_MAX], len: 0 }
+        bit_q20 <= self.bit_max_q20()
     }
 
-    /// Adds a bit time unless one within `apart` is there, or there is no room.
-    pub(super) fn add(&mut self, bit_q20: u64, apart: u64) {
-        let known = self.iter().any(|other| other.abs_diff(bit_q20) <= apart);
-        if known {
-            return;
-        }
-        if let Some(slot) = self.bits.get_mut(self.len) {
-            *slot = bit_q20;
-            self.len += 1;
-        }
-    }
-
-    pub(super) fn iter(&self) -> impl Iterator<Item = u64> + '_ {
-        self.bits.iter().take(self.len).copied()
+    /// The longest bit time of a frame here: ten bits are sure before it, rounding may take one;
+    /// eight behind it, where an overload flag may follow.
+    fn bit_max_q20(self) -> u64 {
+        let before = div_small(u64::from(self.before) << 21, 18);
+        before.min(div_small(u64::from(self.behind) << 21, 15))
     }
 }
 
@@ -67,6 +42,12 @@ impl Proposals {
 pub(super) struct Proof {
     pub(super) attempt: Attempt,
     pub(super) received: Received,
+    /// The nominal edges.
+    pub(super) fit: Fit,
+    /// Their variance about the grid, in ticks squared times 2^20.
+    pub(super) noise_q20: u64,
+    /// The bit times that the nominal edges allow.
+    pub(super) interval: Option<Interval>,
     /// Readings whose CRC was compared until one was right.
     pub(super) compared: u32,
 }
@@ -87,21 +68,28 @@ impl Attempt {
     /// The proof, if the edges lie on the grid and the CRC is right.
     ///
     /// Each CRC compared where the edges lie on the grid was one chance to be right by accident.
-    pub(super) fn proof(self, activity: Activity<'_>, compared: &mut u32) -> Option<Proof> {
-        if !self.reading.crc_compared || !self.lies_on_grid(activity) {
+    pub(super) fn proof(&self, activity: Activity<'_>, compared: &mut u32) -> Option<Proof> {
+        if !self.reading.crc_compared {
+            return None;
+        }
+        // The fitted bit time, because the proposed one may drift off over the frame.
+        let fit = self.reading.nominal.fit();
+        let ticks_q20 = fit.ticks_q20().unwrap_or(self.rates.nominal.ticks_q20());
+        let places = Places::nominal(activity, self);
+        let stray = Stray::of(&places, ticks_q20);
+        if !stray.is_of_a_bus(ticks_q20) {
             return None;
         }
         *compared += 1;
         let received = self.reading.proven()?;
-        Some(Proof { attempt: self, received, compared: *compared })
-    }
-
-    /// Whether the nominal edges lie where those of a bus do.
-    fn lies_on_grid(&self, activity: Activity<'_>) -> bool {
-        // The fitted bit time, because the proposed one may drift off over the frame.
-        let fitted = self.reading.nominal.fit().ticks_q20();
-        let ticks_q20 = fitted.unwrap_or(self.rates.nominal.ticks_q20());
-        Stray::of(&Places::nominal(activity, self), ticks_q20).is_of_a_bus(ticks_q20)
+        Some(Proof {
+            attempt: *self,
+            received,
+            fit,
+            noise_q20: stray.variance_q20,
+            interval: interval::of(&places),
+            compared: *compared,
+        })
     }
 }
 
@@ -109,51 +97,85 @@ impl Attempt {
 ///
 /// A frame has its idle around it, so bit times that the idle is too short for are not tried.
 pub(super) fn prove(activity: Activity<'_>, idle: Idle, compared: &mut u32) -> Option<Proof> {
-    let mut proposals = Proposals::new();
-    coarse::propose(activity.runs, &mut proposals);
-    if let Some(proof) = first_right(activity, idle, &proposals, compared) {
-        return Some(proof);
-    }
-    [Slack::Tight, Slack::Loose].into_iter().find_map(|slack| {
-        let mut proposals = Proposals::new();
-        comb::propose(activity.runs, slack, &mut proposals);
-        first_right(activity, idle, &proposals, compared)
-    })
+    const METHODS: [Method; 3] =
+        [Method::Coarse, Method::Comb(Slack::Tight), Method::Comb(Slack::Loose)];
+    let bit_times = BitTimes::of(activity.runs, idle.bit_max_q20())?;
+    METHODS.into_iter().find_map(|method| first_right(activity, method, bit_times, compared))
 }
 
 fn first_right(
     activity: Activity<'_>,
-    idle: Idle,
-    proposals: &Proposals,
+    method: Method,
+    bit_times: BitTimes,
     compared: &mut u32,
 ) -> Option<Proof> {
-    let mut chances = [0_u32; PROPOSALS_MAX];
-    for (index, bit_q20) in proposals.iter().enumerate() {
-        let Some(nominal) = BitClock::new(bit_q20).filter(|_| idle.suits(bit_q20)) else {
-            continue;
-        };
-        let before = *compared;
-        let rates = Rates { nominal, data: None, fd_crc: FdCrc::Iso, late_ticks_q20: 0 };
-        let proof = prove_at(activity, &rates, compared);
-        if let Some(slot) = chances.get_mut(index) {
-            *slot = *compared - before;
+    let mut proposals = Proposals::new(method, activity.runs, bit_times);
+    let mut proposal = proposals.next();
+    proposal?;
+    let mut tried = Tried::new();
+    // The right one is nearly always right at the first placement: that of all comes before the
+    // others of any.
+    while let Some(next) = proposal
+        && !tried.is_full()
+    {
+        if bit_times.allow(activity.runs, next.bit_q20)
+            && let Some(index) = tried.enter(next)
+            && let Some(proof) = try_at(activity, Tries::First, &mut tried, index, compared)
+        {
+            return Some(proof);
         }
-        if let Some(proof) = proof {
-            // An accident at nearly the same bit time would be no wrong rate.
-            let near = proposals
-                .iter()
-                .zip(chances)
-                .filter(|(other, _)| other.abs_diff(bit_q20) <= bit_q20 >> SAME_RATE_SHIFT);
-            let harmless: u32 = near.map(|(_, count)| count).sum();
-            return Some(Proof { compared: *compared + 1 - harmless, ..proof });
-        }
+        proposal = proposals.next();
     }
-    None
+    (0..tried.len()).find_map(|index| try_at(activity, Tries::Others, &mut tried, index, compared))
 }
 
-/// Reads `activity` at `rates` in every placement; finds the data rate if the frame asks for it.
-pub(super) fn prove_at(activity: Activity<'_>, rates: &Rates, compared: &mut u32) -> Option<Proof> {
-    for placement in placements(activity, rates) {
+/// Tries to prove the bit time at `index` of those `tried`.
+fn try_at(
+    activity: Activity<'_>,
+    tries: Tries,
+    tried: &mut Tried,
+    index: usize,
+    compared: &mut u32,
+) -> Option<Proof> {
+    let bit_q20 = tried.bit_q20(index)?;
+    let rates = Rates {
+        nominal: BitClock::new(bit_q20)?,
+        data: None,
+        fd_crc: FdCrc::Iso,
+        late_ticks_q20: 0,
+    };
+    let before = *compared;
+    let mut proof = prove_at(activity, &rates, tries, compared);
+    tried.add_chances(index, *compared - before);
+    if let Some(proof) = &mut proof {
+        // An accident at nearly the same bit time would be no wrong rate.
+        let harmless = tried.chances_near(bit_q20, bit_q20 >> SAME_RATE_SHIFT);
+        proof.compared = *compared + 1 - harmless;
+    }
+    proof
+}
+
+/// Which placements of the grid to try.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Tries {
+    First,
+    Others,
+    All,
+}
+
+/// Reads `activity` at `rates` in these placements; finds the data rate if the frame asks for it.
+pub(super) fn prove_at(
+    activity: Activity<'_>,
+    rates: &Rates,
+    tries: Tries,
+    compared: &mut u32,
+) -> Option<Proof> {
+    let (skip, take) = match tries {
+        Tries::First => (0, 1),
+        Tries::Others => (1, usize::MAX),
+        Tries::All => (0, usize::MAX),
+    };
+    for placement in placements(activity, rates).skip(skip).take(take) {
         let attempt = Attempt::new(activity, *rates, placement);
         if let Some(proof) = attempt.proof(activity, compared) {
             return Some(proof);

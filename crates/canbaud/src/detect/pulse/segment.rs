@@ -110,8 +110,10 @@ impl<const N: usize> Segmenter<N> {
             .flatten()
             .filter(|start| {
                 let count = self.len - start.at;
-                let is_end = end == End::OfRecording || start.is_idle_beside(run);
-                count >= RUNS_MIN && count % 2 == 1 && is_end
+                // Two of three edges are done with here.
+                count % 2 == 1
+                    && count >= RUNS_MIN
+                    && (end == End::OfRecording || start.is_idle_beside(run))
             })
             .nth(skip)
             .map(|start| Candidate {
@@ -131,24 +133,25 @@ impl<const N: usize> Segmenter<N> {
         if self.len == N {
             self.make_room();
         }
+        // The latest beginning, and the longest run since of the level of this one.
+        let (mut latest, mut longest_since) = (0, 0);
         for slot in &mut self.starts {
-            if let Some(start) = slot {
-                let longest = match (self.len - start.at) % 2 {
-                    0 => &mut start.longest_other,
-                    _ => &mut start.longest_idle,
-                };
-                *longest = run.max(*longest);
-                if !start.is_idle_beside(start.before) {
-                    *slot = None;
-                }
+            let Some(start) = slot else { continue };
+            let longest = match (self.len - start.at) % 2 {
+                0 => &mut start.longest_other,
+                _ => &mut start.longest_idle,
+            };
+            let grew = run > *longest;
+            *longest = run.max(*longest);
+            let since = *longest;
+            if grew && !start.is_idle_beside(start.before) {
+                *slot = None;
+            } else if start.at >= latest {
+                (latest, longest_since) = (start.at, since);
             }
         }
         // The longest run of its level since the latest beginning may be idle itself.
-        let latest = self.starts.iter().flatten().max_by_key(|start| start.at);
-        let is_start = latest.is_none_or(|latest| {
-            let same_level = (self.len - latest.at) % 2 == 1;
-            run >= if same_level { latest.longest_idle } else { latest.longest_other }
-        });
+        let is_start = run >= longest_since;
         if let Some(slot) = self.runs.get_mut(self.len) {
             *slot = run;
             self.len += 1;
@@ -200,7 +203,12 @@ impl<const N: usize> Segmenter<N> {
             *slot = None;
         }
         let oldest = self.starts.iter().flatten().map(|start| start.at).min().unwrap_or(self.len);
-        self.runs.copy_within(oldest..self.len, 0);
+        for to in 0..self.len - oldest {
+            let run = self.runs.get(oldest + to).copied().unwrap_or(0);
+            if let Some(slot) = self.runs.get_mut(to) {
+                *slot = run;
+            }
+        }
         self.len -= oldest;
         for start in self.starts.iter_mut().flatten() {
             start.at -= oldest;

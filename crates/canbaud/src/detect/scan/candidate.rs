@@ -13,12 +13,13 @@ pub enum Capture {
 }
 
 impl Capture {
-    /// How far the bus may be from the receiver's rate and still be read, in thousandths: at most.
+    /// How far the bus may be from the receiver's rate and still be read, in thousandths, at most
+    /// (`docs/scan.md`); it depends on sample point and SJW.
     #[must_use]
-    pub const fn reach_permille(self) -> u64 {
+    pub const fn reach_permille(self) -> u16 {
         match self {
-            Self::Usual => 17,
-            Self::Wide => 50,
+            Self::Usual => 35,
+            Self::Wide => 60,
         }
     }
 }

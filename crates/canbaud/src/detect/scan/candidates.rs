@@ -151,21 +151,15 @@ impl<const N: usize> Candidates<N> {
         }
     }
 
-    /// After a sweep has found `found` with the widest bit timing: what to listen at with the usual
-    /// one, to know the rate more exactly. The rates in use that it may be; if there are none, the
-    /// rates around it in steps of 1 %, the middle first.
+    /// What [`Policy::Survey`](super::Policy::Survey) listens at to know a rate more exactly that a
+    /// sweep has found: the rates around it in steps of 1 %, with the usual bit timing.
     ///
     /// # Errors
-    /// [`TooMany`] if there is no room; eleven are enough.
+    /// [`TooMany`] if there is no room; 17 are enough.
     pub fn around(found: &Found) -> Result<Self, TooMany> {
-        let known = Self::of(found.class().map(rates::KnownRate::bitrate))?;
-        if !known.as_slice().is_empty() {
-            return Ok(known);
-        }
         let middle = u64::from(found.nominal().bits_per_second());
-        let near = (0..=5).flat_map(|percent| [100 - percent, 100 + percent]);
         let rate = |percent: u64| Bitrate::new(u32::try_from(middle * percent / 100).ok()?);
-        Self::of(near.filter_map(rate))
+        Self::of((92..=108).filter_map(rate))
     }
 
     /// Each nominal rate with each of these data rates that is above it.

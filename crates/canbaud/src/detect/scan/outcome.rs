@@ -48,6 +48,8 @@ pub struct Found {
     pub acknowledgement: Acknowledgement,
     /// CAN FD.
     pub fd: FdSeen,
+    /// How far the bus may be from this rate, in thousandths: what the receiver captures.
+    pub reach_permille: u16,
 }
 
 impl Found {
@@ -57,11 +59,11 @@ impl Found {
         self.configured.nominal
     }
 
-    /// Between which the bit rate of the bus lies: what a receiver at this rate captures.
+    /// Between which the bit rate of the bus lies.
     #[must_use]
     pub fn interval(&self) -> (Bitrate, Bitrate) {
         let rate = u64::from(self.nominal().bits_per_second());
-        let permille = self.candidate.capture.reach_permille();
+        let permille = u64::from(self.reach_permille);
         let bound = |permille: u64| Bitrate::new(u32::try_from(rate * permille / 1000).ok()?);
         let low = bound(1000 - permille).unwrap_or(self.nominal());
         (low, bound(1000 + permille).unwrap_or(self.nominal()))
@@ -78,6 +80,7 @@ impl Found {
     /// #     configured: Configured { nominal, data: None },
     /// #     frames: 2, distinct: 2, errors: 0, elapsed: Micros(0), visits: 1,
     /// #     acknowledgement: Acknowledgement::Presumed, fd: FdSeen::No,
+    /// #     reach_permille: 35,
     /// # };
     /// let class: Vec<_> = found.class().map(|known| known.bitrate().to_string()).collect();
     /// assert_eq!(class, ["615.385k", "625k"]);

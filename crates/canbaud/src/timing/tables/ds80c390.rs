@@ -42,9 +42,13 @@ impl Ds80c390Row {
     /// The right prescaler: F_OSC / (bit rate * CCD * quanta).
     #[must_use]
     pub const fn brpv(&self) -> u16 {
-        let quanta = (1 + self.tseg1 + self.tseg2) as u32;
-        let clocks = self.oscillator_mhz as u32 * 1_000 / self.kbits_per_second as u32;
-        (clocks / (self.ccd as u32 * quanta)) as u16
+        let quanta = 1 + self.tseg1 as u64 + self.tseg2 as u64;
+        let kilohertz = self.oscillator_mhz as u64 * 1_000;
+        // A row without a bit rate has no prescaler.
+        match kilohertz.checked_div(self.kbits_per_second as u64 * self.ccd as u64 * quanta) {
+            Some(prescaler) => prescaler as u16,
+            None => 0,
+        }
     }
 
     /// The bit timing with the misprints put right.

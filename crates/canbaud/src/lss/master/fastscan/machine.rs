@@ -73,8 +73,8 @@ enum Before {
 /// All slaves answer alike, and an answer does not say to which request: a late one looks like one
 /// to the request behind. So the scan learns how long answers take and takes nothing that comes
 /// sooner than possible; it never confirms right behind silence; each part is confirmed as a whole;
-/// and if answers do not fit together it lets the bus fall silent and asks again with the full
-/// time-out, each bit proven by an answer. Answers of several devices to one request are waited for.
+/// and if answers do not fit together all slaves begin anew and it asks again with the full time-out,
+/// each bit proven by an answer. Answers of several devices to one request are waited for.
 ///
 /// With more than one device, one of them is found; it does not take part in the next scan as long
 /// as it is in configuration or has a node-ID.
@@ -118,7 +118,7 @@ impl<'a> Fastscan<'a> {
         }
         match self.turn {
             Turn::Await { sent, .. } if self.is_stray(now - sent) => {
-                self.statistics.stray_answers += 1;
+                count(&mut self.statistics.stray_answers);
             }
             Turn::Await { sent, .. } => {
                 self.rhythm.note(now - sent);
@@ -152,7 +152,7 @@ impl<'a> Fastscan<'a> {
             match self.turn {
                 Turn::Send { at } if now >= at => return Some(self.send(now)),
                 Turn::Await { sent, until } if now >= until => {
-                    self.statistics.silences += 1;
+                    count(&mut self.statistics.silences);
                     let in_full = until - sent >= self.options.pace.answer_timeout;
                     self.before = if in_full { Before::Settled } else { Before::GivenUp };
                     self.nobody(now);
@@ -187,7 +187,7 @@ impl<'a> Fastscan<'a> {
         } else {
             self.options.pace.answer_timeout
         };
-        self.statistics.requests += 1;
+        count(&mut self.statistics.requests);
         self.turn = Turn::Await { sent: now, until: now + wait };
         let request = match self.phase {
             Phase::Begin { .. } => Request::Fastscan {
@@ -261,14 +261,11 @@ impl<'a> Fastscan<'a> {
         }
     }
 
-    /// Whether an answer so soon belongs to the request before: that one was given up early, or
-    /// several devices answer.
+    /// Whether an answer so soon belongs to the request before, which was given up early.
     fn is_stray(&self, round_trip: Micros) -> bool {
-        let possible = match self.before {
-            Before::GivenUp => true,
-            Before::Settled => self.rhythm.settle() > Micros(0),
-        };
-        possible && self.rhythm.is_too_early(round_trip)
+        // Each "begin" means the same: whichever this one answers, it teaches how long they take.
+        let begins = matches!(self.phase, Phase::Begin { .. });
+        !begins && self.before == Before::GivenUp && self.rhythm.is_too_early(round_trip)
     }
 
     /// What answers the request that is out.
@@ -296,11 +293,11 @@ impl<'a> Fastscan<'a> {
                 self.turn = Turn::Done(Err(FastscanError::Inconsistent));
             }
             Progress::Contradiction => {
-                self.statistics.restarts += 1;
+                count(&mut self.statistics.restarts);
                 self.search.restart();
                 self.phase = Phase::Begin { answered: 0, silent: 0 };
-                // What is still on its way arrives meanwhile, and counts for nothing.
-                self.turn = Turn::Send { at: now + self.options.pace.answer_timeout };
+                // What is still on its way arrives while the answers to that are waited for.
+                self.ask_next(now);
             }
         }
     }
@@ -308,4 +305,8 @@ impl<'a> Fastscan<'a> {
     fn ask_next(&mut self, now: Micros) {
         self.turn = Turn::Send { at: now + self.options.pace.inhibit };
     }
+}
+
+const fn count(number: &mut u32) {
+    *number = number.saturating_add(1);
 }

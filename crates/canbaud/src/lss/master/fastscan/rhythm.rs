@@ -42,9 +42,10 @@ impl Rhythm {
         self.spread = self.spread.max(behind);
     }
 
-    /// Whether an answer comes sooner than any device could have given it.
+    /// Whether an answer comes sooner than any device could have given it; where answers take less
+    /// than 2 ms, they vary too much to tell.
     pub(super) fn is_too_early(&self, round_trip: Micros) -> bool {
-        !self.is_new() && round_trip.0 < self.shortest.0 / 2
+        !self.is_new() && self.shortest >= Micros::from_ms(2) && round_trip.0 < self.shortest.0 / 2
     }
 
     fn is_new(&self) -> bool {
