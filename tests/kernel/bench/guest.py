@@ -10,7 +10,11 @@ from dataclasses import dataclass
 
 
 class GuestHung(Exception):
-    """The guest no longer answers, or is gone."""
+    """The guest no longer answers."""
+
+
+class GuestGone(GuestHung):
+    """The guest has ended by itself."""
 
 
 @dataclass
@@ -74,19 +78,23 @@ class Guest:
             if left <= 0:
                 raise GuestHung("the guest does not answer")
             if self.process.poll() is not None:
-                raise GuestHung(f"the guest ended by itself (status {self.process.returncode})")
+                raise GuestGone(f"the guest ended by itself (status {self.process.returncode})")
             if select.select([self.line], [], [], min(left, 0.5))[0]:
                 self.waiting += os.read(self.line, 65536)
 
 
 def spawn(command, console_path, **options):
-    """Starts a guest in a process group of its own, its console in a file."""
+    """Starts a guest in a process group of its own, its console in a file.
+
+    Not in a session of its own: one of its serial lines would become its controlling terminal, and
+    send it signals.
+    """
     with open(console_path, "ab") as console:
         return subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,
             stdout=console,
             stderr=subprocess.STDOUT,
-            start_new_session=True,
+            preexec_fn=os.setpgrp,
             **options,
         )

@@ -36,6 +36,10 @@ class Report:
     def equal(self, got, want, what):
         return self.check(got == want, what, f"got:  {got}\nwant: {want}")
 
+    def note(self, what):
+        """Something that is neither good nor bad."""
+        print(f"note  {self.scenario}: {what}", flush=True)
+
     def skip(self, what, reason):
         self.skipped.append(what)
         print(f"skip  {what}: {reason}", flush=True)
