@@ -130,9 +130,8 @@ fn an_error_makes_the_quiet_time_begin_anew() {
     hand.good(&[1]);
     hand.wait(Micros(1_000));
     hand.error(ErrorClass::Stuff, ErrorPlace::Arbitration);
-    hand.wait(Micros(400));
-    assert_eq!(hand.found(), None, "1.4 ms after the frame, but 0.4 ms after an error");
-    assert!(!hand.stays_for(ms(5)));
+    assert!(hand.stays_for(Micros(1_200)), "2.2 ms after the frame, but 1.2 ms after an error");
+    hand.wait(Micros(100));
     assert!(hand.found().is_some());
 }
 
@@ -271,6 +270,48 @@ fn a_counter_is_evidence_only_from_its_first_reading_on() {
         hand.scan.handle(hand.now, &Observation::ReceiveErrors(reading));
     }
     assert!(!hand.stays_for(ms(20)), "it moves: a wrong rate");
+}
+
+#[test]
+fn what_a_counter_counted_before_the_switch_is_no_evidence_behind_it() {
+    let mut hand = Hand::new(Evidence::Counter, Micros(0), Settings::default());
+    assert_eq!(hand.poll(), Some(rate(1_000_000)));
+    let next = (10..60).find_map(|reading| {
+        hand.wait(Micros(20));
+        hand.scan.handle(hand.now, &Observation::ReceiveErrors(reading));
+        hand.poll()
+    });
+    // The last errors at 1 Mbit/s were counted after the last reading.
+    let next = next.expect("it moved");
+    hand.scan.handle(hand.now, &Observation::ReceiveErrors(100));
+    hand.poll();
+    while hand.scan.standings().all(|s| s.candidate.nominal != next || s.listened == Micros(0)) {
+        hand.now = hand.scan.deadline().expect("it listens");
+        hand.poll();
+    }
+    let standing = hand.scan.standings().find(|standing| standing.candidate.nominal == next);
+    assert_eq!(standing.expect("a candidate").errors, 0, "it left for silence");
+}
+
+#[test]
+fn no_candidate_is_lost_to_hints_without_having_been_listened_to() {
+    let mut hand = Hand::new(Evidence::Errors, Micros(0), Settings::default());
+    // At every rate a burst that looks like 10 kbit/s, 10 kbit/s itself included.
+    for _ in 0..25 {
+        let start = hand.now + ms(1);
+        for bit in [0, 2, 6, 11, 14, 20, 23, 29, 31, 35, 41, 45, 51, 54, 60, 64] {
+            hand.now = start + Micros(bit * 100);
+            hand.error(ErrorClass::Stuff, ErrorPlace::Arbitration);
+        }
+        assert!(hand.poll().is_some() || hand.scan.outcome().is_some());
+    }
+    let visits = |nominal| {
+        let of = |standing: &Standing| standing.candidate.nominal == rate(nominal);
+        hand.scan.standings().find(of).expect("a candidate").visits
+    };
+    for nominal in [10_000, 20_000, 50_000, 125_000, 250_000, 500_000, 800_000, 1_000_000] {
+        assert!(visits(nominal) > 0, "{nominal} was never listened at");
+    }
 }
 
 #[test]
