@@ -1,17 +1,20 @@
 #!/usr/bin/env python3
-"""Writes vectors/bits and vectors/detect; with --check it only says whether they are up to date."""
+"""Writes vectors/bits, vectors/detect and vectors/lss; with --check it only says whether they are up to date."""
 
 import argparse
 import difflib
 import pathlib
 import sys
 
+import lss
+import lss_cases
 import scenes
 import vectors
 from frame import encode
 from receiver import Receiver
 
 VECTORS = pathlib.Path(__file__).resolve().parents[1]
+FOLDERS = ("bits", "detect", "lss")
 HEADER = "# Made by vectors/reference/make.py. Do not edit.\n"
 
 
@@ -62,6 +65,29 @@ def bits_entry(name, frame):
     return entry
 
 
+def lss_codec():
+    """Every command with its bytes, and what is no command."""
+    parts = []
+    for title, table, unknown in [
+        ("request", lss.REQUESTS, lss.UNKNOWN_REQUESTS),
+        ("response", lss.RESPONSES, lss.UNKNOWN_RESPONSES),
+    ]:
+        parts.append(f"unknown_{title}s = {toml_value(unknown)}\n")
+        parts.append(entries(title, [{"name": n, "fields": f, "bytes": b.hex()} for n, f, b in table]))
+    # Keys of the file stand before its tables.
+    return "".join(sorted(parts, key=lambda part: part.startswith("\n")))
+
+
+def lss_scripts(cases):
+    def entry(name, setup, script):
+        lines = "".join(f"    {toml_value(line)},\n" for line in script)
+        options = "".join(f"{key} = {toml_value(value)}\n" for key, value in setup.items())
+        return f"\n[[case]]\nname = {toml_value(name)}\n{options}script = [\n{lines}]\n"
+
+    identity = "".join(f"{n} = {v:#x}\n" for n, v in zip(lss.PARTS, lss.IDENTITY))
+    return identity + "".join(entry(*case) for case in cases)
+
+
 def outputs():
     """Path -> text of every file."""
     out = {}
@@ -70,12 +96,19 @@ def outputs():
         out[VECTORS / "bits" / f"{name}.toml"] = HEADER + entries("frame", table)
     for name, scene in scenes.all_scenes():
         out[VECTORS / "detect" / f"{name}.toml"] = HEADER + scenes.text(scene, entries, toml_value)
+    out[VECTORS / "lss" / "codec.toml"] = HEADER + lss_codec()
+    for name, cases in [
+        ("services", lss_cases.from_table()),
+        ("behaviour", lss_cases.checked_by_hand()),
+        ("sessions", lss_cases.sessions()),
+    ]:
+        out[VECTORS / "lss" / f"{name}.toml"] = HEADER + lss_scripts(cases)
     return out
 
 
 def check(out):
     stale = []
-    present = {path for folder in ("bits", "detect") for path in (VECTORS / folder).glob("*")}
+    present = {path for folder in FOLDERS for path in (VECTORS / folder).glob("*")}
     for path in sorted(present | set(out)):
         have = path.read_text() if path.exists() else ""
         want = out.get(path, "")
@@ -94,7 +127,7 @@ def main():
     out = outputs()
     if parser.parse_args().check:
         return check(out)
-    for folder in ("bits", "detect"):
+    for folder in FOLDERS:
         (VECTORS / folder).mkdir(exist_ok=True)
         for path in (VECTORS / folder).glob("*.toml"):
             path.unlink()

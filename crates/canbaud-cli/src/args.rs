@@ -8,15 +8,18 @@ use canbaud_capture::{Format, OpenOptions, Threshold};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::judge::JudgeOptions;
-use crate::run::SimulateArgs;
+use crate::run::live::LiveArgs;
 use crate::run::timing::{ControllersArgs, TIMING_HELP, TimingArgs};
+use crate::run::{AdaptersArgs, LSS_HELP, LssArgs, SimulateArgs};
 
-const ABOUT: &str = "Finds the bit rate of a recorded CAN or CAN FD bus, proves it, decodes it";
+const ABOUT: &str =
+    "Finds the bit rate of a CAN or CAN FD bus, recorded or live, proves it, decodes it";
 
 const EXAMPLES: &str = "\
 Examples:
   canbaud detect bus.sr                     which bit rate, and how sure
   canbaud detect --json *.vcd               one JSON object a line per source and channel
+  canbaud detect can0                       the same of a live bus, only listening
   canbaud decode bus.sr | grep ' can0 123#' every frame as candump log lines
   canbaud decode bus.sr --format pcapng -o bus.pcapng
   canbaud timing --clock 80M --bitrate 500k --controller m_can
@@ -24,7 +27,9 @@ Examples:
 Exit codes:
   0  a rate was found and proven        4  no traffic
   2  wrong command line                 5  a file cannot be read or written
+  6  no permission                      7  the adapter cannot be used
   3  undecided, two rates in conflict, or an impossible bit timing
+  128 + n  ended by signal n; whatever was changed was put back first
   With several sources: 5 before 3 before 4 before 0.";
 
 /// Behind the help of both commands; the names are those of [`Format`].
@@ -46,6 +51,9 @@ Examples:
   canbaud detect bus.sr
   canbaud detect --expected 500k bus.sr     how far the clocks are off
   canbaud detect -q captures/*              one line per file
+  canbaud detect can0                       a live bus: listens only, puts the interface back
+  canbaud detect slcan:/dev/ttyACM0         a serial adapter
+  canbaud detect can0 --sweep 10k..1M --timeout 5min
   canbaud detect --json bus.sr              described by schemas/detect.schema.json
 
 ",
@@ -95,8 +103,13 @@ pub(crate) enum Command {
     Timing(Box<TimingArgs>),
     /// What is known of each CAN controller
     Controllers(ControllersArgs),
+    /// List the CAN adapters of this machine, and what is known of them
+    Adapters(AdaptersArgs),
     /// Run a simulated bus from a scenario, to files, statistics or a virtual adapter
     Simulate(SimulateArgs),
+    /// Set bit rate and node-ID of CANopen devices over the bus (CiA 305); transmits
+    #[command(after_help = LSS_HELP)]
+    Lss(Box<LssArgs>),
 }
 
 /// When to use colours.
@@ -110,7 +123,7 @@ pub(crate) enum When {
 /// `canbaud detect`.
 #[derive(Debug, Args)]
 pub(crate) struct DetectArgs {
-    /// Capture files
+    /// Capture files; or one live bus: can0, slcan:/dev/ttyACM0, slcan:/dev/ttyUSB0@1000000
     #[arg(required = true, value_name = "SOURCE")]
     pub(crate) sources: Vec<PathBuf>,
 
@@ -130,9 +143,12 @@ pub(crate) struct DetectArgs {
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) jobs: Option<u16>,
 
-    // Last: its heading holds for everything that follows.
+    // Last: their headings hold for everything that follows.
     #[command(flatten)]
     pub(crate) reading: ReadingArgs,
+
+    #[command(flatten)]
+    pub(crate) live: LiveArgs,
 }
 
 /// `canbaud decode`.
@@ -237,6 +253,18 @@ pub(crate) enum PolarityArg {
 }
 
 impl ReadingArgs {
+    /// Whether anything was said.
+    pub(crate) fn is_used(&self) -> bool {
+        let Self { input_format, samplerate, channel, bitrate, polarity, invert, .. } = self;
+        input_format.is_some()
+            || samplerate.is_some()
+            || channel.is_some()
+            || bitrate.is_some()
+            || polarity.is_some()
+            || self.threshold.is_some()
+            || *invert
+    }
+
     /// How to open a file.
     pub(crate) fn open_options(&self) -> OpenOptions {
         OpenOptions {

@@ -18,8 +18,14 @@ pub(crate) enum Exit {
     Impossible,
     /// A file could not be read, or an output could not be written.
     Unreadable,
+    /// The user may not do that to the adapter.
+    Permission,
+    /// The adapter is absent, gone, or cannot listen.
+    Unusable,
     /// The command line was wrong.
     Usage,
+    /// A signal of this number ended it; everything was put back.
+    Stopped(u8),
 }
 
 impl Exit {
@@ -31,6 +37,10 @@ impl Exit {
             Self::Undecided | Self::Impossible => 3,
             Self::NoTraffic => 4,
             Self::Unreadable => 5,
+            Self::Permission => 6,
+            Self::Unusable => 7,
+            // As shells tell of signals.
+            Self::Stopped(signal) => 128_u8.saturating_add(signal),
         }
     }
 }
@@ -61,6 +71,10 @@ mod tests {
             .map(Exit::code);
         assert_eq!(codes, [0, 2, 3, 4, 5]);
         assert_eq!(Exit::Impossible.code(), 3);
+        assert_eq!(
+            [Exit::Permission, Exit::Unusable, Exit::Stopped(15)].map(Exit::code),
+            [6, 7, 143]
+        );
     }
 
     #[test]

@@ -28,7 +28,9 @@ fn main() -> ExitCode {
         Command::Decode(args) => run::decode(&args),
         Command::Timing(args) => run::timing(&args),
         Command::Controllers(args) => run::controllers(&args),
+        Command::Adapters(args) => run::adapters(&args),
         Command::Simulate(args) => run::simulate(&args),
+        Command::Lss(args) => run::lss(&args),
     };
     exit.into()
 }

@@ -1,5 +1,9 @@
 //! What is known about one channel of one source; text and JSON are made from this.
 
+mod live;
+
+pub(crate) use live::{LiveRate, LiveReport};
+
 /// One bit rate of a channel.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Rate {

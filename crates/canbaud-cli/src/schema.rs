@@ -4,8 +4,12 @@
 use serde_json::Value;
 
 pub(crate) const DETECT: &str = include_str!("../../../schemas/detect.schema.json");
+pub(crate) const SCAN: &str = include_str!("../../../schemas/scan.schema.json");
 pub(crate) const TIMING: &str = include_str!("../../../schemas/timing.schema.json");
 pub(crate) const DECODE: &str = include_str!("../../../schemas/decode.schema.json");
+
+#[allow(dead_code, reason = "the tests of the command alone look at it")]
+pub(crate) const LSS: &str = include_str!("../../../schemas/lss.schema.json");
 
 /// Panics with the place and the reason if `value` does not fit.
 pub(crate) fn assert_valid(schema: &str, value: &Value) {

@@ -4,7 +4,8 @@ use canbaud::lss::RateSetting;
 use canbaud::units::Bitrate;
 use canbaud_sim::{Blind, Rng, Span, Time};
 
-use crate::device::{Company, DeviceConfig, Joined};
+use crate::config::DeviceConfig;
+use crate::device::Joined;
 use crate::memory::Memory;
 use crate::network::Network;
 use crate::plant::{Mix, Plant};
@@ -30,17 +31,16 @@ pub struct Report {
     pub longest: Span,
     /// Dominant levels of devices that had to be silent.
     pub broken_silence: u64,
-    /// Times that a device took part at a rate at which nobody else did.
+    /// Times that a device took part at a rate that the network neither had nor had had.
     pub wrong_joins: u64,
-    /// Simulated time.
-    pub simulated: Span,
+    /// Simulated time in whole seconds: a day is longer than a [`Span`] can be.
+    pub seconds: u64,
 }
 
 impl Report {
     /// Both stretches together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
-        let sum = |a: Span, b: Span| Span::from_fs(a.femtoseconds() + b.femtoseconds());
         Self {
             power_cycles: self.power_cycles + other.power_cycles,
             cuts_while_writing: self.cuts_while_writing + other.cuts_while_writing,
@@ -52,7 +52,7 @@ impl Report {
             longest: self.longest.max(other.longest),
             broken_silence: self.broken_silence + other.broken_silence,
             wrong_joins: self.wrong_joins + other.wrong_joins,
-            simulated: sum(self.simulated, other.simulated),
+            seconds: self.seconds + other.seconds,
         }
     }
 }
@@ -81,6 +81,8 @@ struct Work {
     rng: Rng,
     report: Report,
     bitrate: u32,
+    /// The rate before the last change.
+    before: u32,
     /// Joins of each device that were judged.
     judged: Vec<usize>,
 }
@@ -105,6 +107,7 @@ impl Shift {
             rng: Rng::for_purpose(self.seed, 77),
             report: Report::default(),
             bitrate: 250_000,
+            before: 250_000,
         };
         work.wait();
         let end = Time::ZERO + self.span;
@@ -117,7 +120,7 @@ impl Shift {
         for (place, memory) in memories.iter_mut().enumerate() {
             *memory = work.network.device_mut(place).memory().clone();
         }
-        work.report.simulated = work.network.sim().now().since(Time::ZERO);
+        work.report.seconds = work.network.sim().now().seconds() as u64;
         work.report.broken_silence = work.network.tally().broken_silence;
         work.report
     }
@@ -182,6 +185,8 @@ impl Work {
     /// The manager comes back with another rate while all others go on at the old one.
     fn change_rate(&mut self) {
         self.report.rate_changes += 1;
+        self.judge();
+        self.before = self.bitrate;
         self.bitrate = RATES[self.rng.below(RATES.len() as u64) as usize];
         self.network.power_off(0);
         self.network.run_for(Span::from_us(self.rng.below(100_000)));
@@ -219,9 +224,10 @@ impl Work {
         self.judge();
     }
 
-    /// Counts joins at a rate at which nobody took part.
+    /// Counts joins at a rate that the network has not, and had not before the last change.
     fn judge(&mut self) {
-        let wrong = |joined: &&Joined| joined.company == Company::Nobody;
+        let rates = [self.bitrate, self.before].map(Bitrate::new);
+        let wrong = |joined: &&Joined| !rates.contains(&Some(joined.bitrate));
         for (device, judged) in self.network.devices().iter().zip(&mut self.judged).skip(1) {
             let new = device.joined().get(*judged..).unwrap_or_default();
             self.report.wrong_joins += new.iter().filter(wrong).count() as u64;

@@ -1,169 +1,22 @@
 //! A device: controller, timer and memory of the simulator, with [`canbaud::node::Node`] inside.
 
 use canbaud::detect::scan::{
-    Candidate, Capabilities, Configured, ErrorClass, ErrorPlace, ErrorSeen, Evidence, FdSupport,
-    FrameSeen, Observation, Origin, RateChoice,
+    Candidate, Configured, ErrorSeen, Evidence, FrameSeen, Observation, Origin,
 };
 use canbaud::fault;
-use canbaud::lss::{
-    Automatic, Configuration, LssAddress, NodeId, RateSet, RateSetting, Slave, SlaveAction,
-    SlaveOptions,
-};
-use canbaud::node::{
-    Action, Input, Means, NmtState, Node, Sending, Settings, Stage, Startup, load, save,
-};
+use canbaud::lss::{RateSetting, Slave, SlaveAction};
+use canbaud::node::{Action, Input, NmtState, Node, Sending, Settings, Stage, load, save};
 use canbaud::timing::default_sample_point;
-use canbaud::units::{Bitrate, Hertz, Micros, Permille, Timebase};
-use canbaud::wire::{Frame, Level, Logic};
+use canbaud::units::{Bitrate, Permille};
+use canbaud::wire::{Frame, Level};
 use canbaud_sim::around::CaptureTimer;
-use canbaud_sim::{
-    BitTiming, ErrorKind, Event, FaultState, Gate, Mode, MonitoringCounters, NodeConfig, Place,
-    Recovery, Simulation, Span, Time,
-};
+use canbaud_sim::{BitTiming, Event, FaultState, Gate, Mode, NodeConfig, Simulation, Span, Time};
 
+use crate::config::{DeviceConfig, Listener};
+use crate::controller::{Purpose, blank, class, frame, logic, mode, where_at};
+use crate::lss::{StoredConfiguration, slave};
 use crate::memory::Memory;
-
-/// How a device can listen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Listener {
-    /// Its controller has bus monitoring, and says so much.
-    Monitoring(Evidence),
-    /// Its controller has none, but the gate circuit of Koppe stands before it.
-    Gate,
-    /// Its controller can only take part or be off; the timer has to do.
-    None,
-}
-
-/// What a device is made of, and how it is set.
-#[derive(Debug, Clone)]
-pub struct DeviceConfig {
-    /// For people.
-    pub name: String,
-    /// Its node-ID.
-    pub node_id: NodeId,
-    /// Frequency of its controller's clock.
-    pub clock_hz: u64,
-    /// How much faster its clocks run.
-    pub ppb: i64,
-    /// The capture timer, if it has one.
-    pub timer_hz: Option<u64>,
-    /// How its controller listens.
-    pub listener: Listener,
-    /// T_cc: off, new timing, on again.
-    pub reconfiguration: Span,
-    /// How it is set; [`Settings::means`] is made from what stands above.
-    pub settings: Settings,
-    /// Time between two process data objects while it is operational.
-    pub pdo: Option<Span>,
-    /// Time between two SYNC messages, if it is their producer.
-    pub sync: Option<Span>,
-    /// Its LSS address, if it is an LSS slave.
-    pub lss: Option<LssAddress>,
-}
-
-/// The lowest and the highest rate of CANopen.
-const RANGE: (u32, u32) = (10_000, 1_000_000);
-
-impl DeviceConfig {
-    /// A device with everything: bus monitoring that reports errors, an 8 MHz timer, and automatic
-    /// detection.
-    #[must_use]
-    pub fn automatic(id: u8) -> Self {
-        let node_id = NodeId::new(id).unwrap_or(NodeId::UNCONFIGURED);
-        let mut config = Self {
-            name: format!("node-{id}"),
-            node_id,
-            clock_hz: 16_000_000,
-            ppb: 0,
-            timer_hz: Some(8_000_000),
-            listener: Listener::Monitoring(Evidence::Errors),
-            reconfiguration: Span::from_us(100),
-            settings: Settings::automatic(
-                node_id,
-                Means::Timer(Timebase::from_frequency(hertz(8_000_000))),
-            ),
-            pdo: None,
-            sync: None,
-            lss: None,
-        };
-        config.settings.means = config.means();
-        config
-    }
-
-    /// The device that knows its rate, starts the others, and sends SYNC.
-    #[must_use]
-    pub fn mini_master(id: u8, bitrate: u32, sync: Span) -> Self {
-        let mut config = Self::automatic(id);
-        config.name = "manager".into();
-        config.settings.startup = canbaud::node::Startup::MiniMaster;
-        config.settings.rate = fixed(bitrate);
-        config.sync = Some(sync);
-        config
-    }
-
-    /// The same device with its rate set by hand.
-    #[must_use]
-    pub fn fixed(mut self, bitrate: u32) -> Self {
-        self.settings.rate = fixed(bitrate);
-        self
-    }
-
-    /// The same device as an LSS slave.
-    #[must_use]
-    pub const fn with_lss(mut self, address: LssAddress) -> Self {
-        self.lss = Some(address);
-        self
-    }
-
-    /// The same device with another way to listen and another timer.
-    #[must_use]
-    pub fn with(mut self, listener: Listener, timer_hz: Option<u64>) -> Self {
-        (self.listener, self.timer_hz) = (listener, timer_hz);
-        self.settings.means = self.means();
-        self
-    }
-
-    /// The means that timer and listener make.
-    fn means(&self) -> Means {
-        let timebase = self.timer_hz.map(|hz| Timebase::from_frequency(hertz(hz)));
-        let evidence = match self.listener {
-            Listener::Monitoring(evidence) => evidence,
-            Listener::Gate | Listener::None => Evidence::Errors,
-        };
-        let rate = |bits| Bitrate::new(bits).unwrap_or(Settings::CANOPEN_RATES[0]);
-        match (timebase, self.listener) {
-            (Some(timebase), Listener::None) => Means::Timer(timebase),
-            (Some(timebase), _) => Means::Both(timebase),
-            (None, _) => Means::Controller(Capabilities {
-                rates: RateChoice::Between(rate(RANGE.0), rate(RANGE.1)),
-                evidence,
-                fd: FdSupport::Classic,
-                reconfiguration: Micros(self.reconfiguration.femtoseconds() / FS_PER_US),
-                latency: Micros(0),
-            }),
-        }
-    }
-}
-
-fn fixed(bitrate: u32) -> RateSetting {
-    Bitrate::new(bitrate).map_or(RateSetting::Automatic, RateSetting::Fixed)
-}
-
-fn hertz(hz: u64) -> Hertz {
-    Hertz::new(hz).unwrap_or(Hertz::MAX)
-}
-
-const FS_PER_US: u64 = 1_000_000_000;
-
-/// Whole microseconds since the start.
-pub(crate) const fn micros(time: Time) -> Micros {
-    Micros(time.femtoseconds() / FS_PER_US)
-}
-
-/// That many microseconds after the start.
-pub(crate) const fn time(micros: Micros) -> Time {
-    Time::from_fs(micros.0.saturating_mul(FS_PER_US))
-}
+use crate::time::{micros, time};
 
 /// Who else took part at a rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -305,8 +158,7 @@ impl Device {
     /// Whether its timer follows the edges now.
     #[must_use]
     pub fn follows_edges(&self) -> bool {
-        let detects = |node: &Node| node.stage() == Stage::Detecting;
-        self.timer.is_some() && self.software.as_ref().is_some_and(detects)
+        self.timer.is_some() && self.software.is_some() && self.must_be_silent()
     }
 
     /// Power comes.
@@ -434,7 +286,7 @@ impl Device {
             }
         }
         if let (Some(timer), Some(node)) = (&self.timer, &mut self.software)
-            && node.stage() == Stage::Detecting
+            && !matches!(node.stage(), Stage::TakingPart { .. })
         {
             node.timer(timer.ticks(sim.now()), logic(self.line));
         }
@@ -552,96 +404,5 @@ impl Device {
             self.pdo_pending = true;
         }
         self.next_pdo = sim.now() + period;
-    }
-}
-
-/// What LSS has stored.
-#[derive(Debug, Clone, Copy)]
-struct StoredConfiguration(Option<Configuration>);
-
-impl canbaud::lss::Storage for StoredConfiguration {
-    fn store(&mut self, configuration: Configuration) -> Result<(), canbaud::lss::StoreError> {
-        self.0 = Some(configuration);
-        Ok(())
-    }
-}
-
-fn slave(address: LssAddress, settings: &Settings) -> Slave {
-    let automatic = match settings.startup {
-        Startup::Slave => Automatic::Offered,
-        Startup::MiniMaster => Automatic::Refused,
-    };
-    let options = SlaveOptions { address, rates: RateSet::ALL, automatic };
-    Slave::new(options, Configuration { node_id: settings.node_id, rate: settings.rate })
-}
-
-/// What the controller is set up for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Purpose {
-    Listen,
-    TakePart,
-}
-
-/// Mode and gate for a purpose; `None` if the device cannot.
-const fn mode(listener: Listener, purpose: Purpose) -> Option<(Mode, Gate)> {
-    match (listener, purpose) {
-        (Listener::Gate, Purpose::TakePart) => Some((Mode::Normal, Gate::Open)),
-        (Listener::Gate, Purpose::Listen) => Some((Mode::Normal, Gate::Closed)),
-        (_, Purpose::TakePart) => Some((Mode::Normal, Gate::Absent)),
-        (Listener::Monitoring(_), Purpose::Listen) => Some((Mode::BusMonitoring, Gate::Absent)),
-        (Listener::None, Purpose::Listen) => None,
-    }
-}
-
-fn frame(id: u16, data: &[u8]) -> Option<Frame> {
-    let id = canbaud::wire::Id::base(id)?;
-    Frame::new(id, canbaud::wire::FrameKind::Data, data.len() as u8, data).ok()
-}
-
-/// The controller as it comes out of reset.
-fn blank(config: &DeviceConfig) -> NodeConfig {
-    // 125 kbit/s can be made of every clock in use.
-    let point = Permille::new(875).unwrap_or_default();
-    let nominal = BitTiming::find(config.clock_hz, 125_000, point);
-    let mut node = NodeConfig::at(&config.name, 125_000).unwrap_or_else(|_| unreachable!());
-    node.oscillator = canbaud_sim::Oscillator { hertz: config.clock_hz, ppb: config.ppb };
-    node.nominal = nominal.unwrap_or(node.nominal);
-    node.fd = canbaud_sim::FdSupport::None;
-    node.recovery = Recovery::Manual;
-    if config.listener == Listener::Gate {
-        node.gate = Gate::Closed;
-    }
-    if config.listener == Listener::Monitoring(Evidence::Counter) {
-        node.monitoring_counters = MonitoringCounters::Counting;
-    }
-    node
-}
-
-const fn logic(level: Level) -> Logic {
-    match level {
-        Level::Recessive => Logic::High,
-        Level::Dominant => Logic::Low,
-    }
-}
-
-const fn class(kind: ErrorKind) -> ErrorClass {
-    match kind {
-        ErrorKind::Bit => ErrorClass::Bit,
-        ErrorKind::Stuff => ErrorClass::Stuff,
-        ErrorKind::Form => ErrorClass::Form,
-        ErrorKind::Crc => ErrorClass::Crc,
-        ErrorKind::Ack => ErrorClass::Acknowledge,
-    }
-}
-
-const fn where_at(place: Place) -> ErrorPlace {
-    match place {
-        Place::Arbitration => ErrorPlace::Arbitration,
-        Place::Control | Place::Data | Place::Crc => ErrorPlace::BeforeCrcEnd,
-        Place::CrcDelimiter => ErrorPlace::CrcDelimiter,
-        Place::AckSlot => ErrorPlace::AckSlot,
-        Place::AckDelimiter => ErrorPlace::AckDelimiter,
-        Place::EndOfFrame => ErrorPlace::EndOfFrame,
-        Place::Flag | Place::Delimiter | Place::Between => ErrorPlace::Between,
     }
 }

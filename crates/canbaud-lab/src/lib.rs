@@ -9,17 +9,22 @@
 #![forbid(unsafe_code)]
 
 mod ap2925;
+mod config;
+mod controller;
 mod day;
 mod device;
 mod ears;
+mod lss;
 mod memory;
 pub mod mission;
 mod network;
 mod plant;
+mod time;
 
 pub use ap2925::{Ap2925, Ap2925Table};
+pub use config::{DeviceConfig, Listener};
 pub use day::{Report, Shift};
-pub use device::{Company, Device, DeviceConfig, Joined, Listener};
+pub use device::{Company, Device, Joined};
 pub use memory::Memory;
 pub use network::{Network, Tally};
 pub use plant::{Mix, Outcome, Plant};

@@ -2,7 +2,8 @@
 
 use canbaud_sim::{Blind, ClockError, NodeConfig, NodeId, Observer, Simulation, Span, Time};
 
-use crate::device::{Device, DeviceConfig};
+use crate::config::DeviceConfig;
+use crate::device::Device;
 use crate::ears::{Ears, Heard};
 
 /// While timers follow edges, software looks at them this often.

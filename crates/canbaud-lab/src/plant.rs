@@ -4,7 +4,8 @@ use canbaud::detect::scan::Evidence;
 use canbaud::lss::RateSetting;
 use canbaud_sim::{Blind, Observer, Rng, Span, Time};
 
-use crate::device::{Company, DeviceConfig, Listener};
+use crate::config::{DeviceConfig, Listener};
+use crate::device::Company;
 use crate::network::Network;
 
 /// What the devices of a network can look for the rate with.

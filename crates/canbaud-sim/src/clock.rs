@@ -35,6 +35,15 @@ pub struct Quantum {
     per_fs: f64,
 }
 
+impl Quantum {
+    /// Its length in femtoseconds, rounded down.
+    #[must_use]
+    #[inline]
+    pub(crate) const fn femtoseconds(&self) -> u64 {
+        self.whole
+    }
+}
+
 /// A tick: the instant `fs + rem/den`, which counts as `fs`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Tick {
@@ -120,6 +129,18 @@ impl Clock {
         Tick { fs: from.fs + count * quantum.whole + carry, rem }
     }
 
+    /// The tick one quantum after `from`, exactly.
+    #[must_use]
+    #[inline]
+    pub(crate) const fn next(&self, from: Tick, quantum: &Quantum) -> Tick {
+        let rem = from.rem + quantum.fraction;
+        let carry = rem >= self.den;
+        Tick {
+            fs: from.fs + quantum.whole + carry as u64,
+            rem: if carry { rem - self.den } else { rem },
+        }
+    }
+
     #[cold]
     fn long_after(&self, from: Tick, quantum: &Quantum, count: u64) -> Tick {
         let den = u128::from(self.den);
@@ -187,6 +208,8 @@ mod tests {
                 tick = clock.after(tick, &quantum, step);
                 n += step;
                 let want = by_definition(hertz.into(), ppb.into(), n.into());
+                let again = clock.next(clock.after(Tick::default(), &quantum, n - 1), &quantum);
+                assert_eq!(again, tick, "{hertz} Hz {ppb} ppb tick {n}");
                 assert_eq!(tick.fs, want, "{hertz} Hz {ppb} ppb tick {n}");
                 assert_eq!(clock.locate(Tick::default(), &quantum, tick.time()), n);
                 step = step * 13 / 7 + 1;

@@ -13,6 +13,7 @@ pub mod check;
 mod clock;
 pub mod device;
 mod event;
+pub mod lss_device;
 mod node;
 mod rng;
 pub mod scenario;
@@ -33,6 +34,6 @@ pub use node::{
     Recovery, Retransmission, SyncCorners, SyncOutcome, Tdc, Wire,
 };
 pub use rng::Rng;
-pub use simulation::{Simulation, Stop};
+pub use simulation::{Pace, Simulation, Stop};
 pub use time::{ParseSpanError, Span, Time};
 pub use timing::{BitTiming, TimingError};

@@ -1,4 +1,4 @@
-//! The run: which event comes next.
+//! A bus with its nodes, and what is to be done to it.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -7,13 +7,16 @@ use canbaud::wire::{Frame, Level};
 
 use crate::bus::Line;
 use crate::clock::ClockError;
-use crate::event::{Event, NodeId, Observer};
+use crate::event::{Event, NodeId};
 use crate::node::{FaultConfinement, Node, NodeConfig, Oscillator};
 use crate::time::{Span, Time};
 
 mod act;
+mod ahead;
+mod events;
 
 use act::{Act, Entry};
+use ahead::Ahead;
 
 /// Why [`Simulation::run`] came back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +25,16 @@ pub enum Stop {
     Reached,
     /// Something happened in a node that is watched: [`Simulation::take_news`].
     News,
+}
+
+/// How a run is computed; what comes out is the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Pace {
+    /// Bits of which nothing can come are computed many at a time.
+    #[default]
+    Ahead,
+    /// Every sample point of every node in its turn: slow, and plain.
+    EveryBit,
 }
 
 /// A bus with its nodes.
@@ -53,7 +66,8 @@ pub struct Simulation {
     entries: u64,
     news: Vec<(Time, NodeId, Event)>,
     steps: u64,
-    late_reading: bool,
+    pace: Pace,
+    ahead: Ahead,
 }
 
 impl Simulation {
@@ -72,7 +86,8 @@ impl Simulation {
             entries: 0,
             news: Vec::new(),
             steps: 0,
-            late_reading: false,
+            pace: Pace::default(),
+            ahead: Ahead::default(),
         }
     }
 
@@ -211,149 +226,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Runs until `until`, or until a watched node has news.
-    pub fn run<O: Observer>(&mut self, until: Time, observer: &mut O) -> Stop {
-        // Whoever wants samples wants them in time.
-        self.late_reading = !O::SAMPLES;
-        self.allow_late_reading();
-        let stop = self.run_on(until, observer);
-        for node in &mut self.nodes {
-            node.catch_up(self.now, &self.line.log);
-        }
-        self.refresh_all();
-        stop
-    }
-
-    /// On a shorted line a transmitter has to look at each of its bits.
-    fn allow_late_reading(&mut self) {
-        let allowed = self.late_reading && !self.line.is_shorted();
-        for node in &mut self.nodes {
-            node.catch_up(self.now, &self.line.log);
-            node.set_late_reading(allowed, &self.line.log);
-        }
-        self.refresh_all();
-    }
-
-    fn refresh_all(&mut self) {
-        for (node, next) in self.nodes.iter().zip(&mut self.next) {
-            *next = node.next();
-        }
-    }
-
-    fn run_on<O: Observer>(&mut self, until: Time, observer: &mut O) -> Stop {
-        loop {
-            let (mut at, mut place, mut second) = (Time::NEVER, 0, Time::NEVER);
-            for (index, &next) in self.next.iter().enumerate() {
-                if next < at {
-                    (second, at, place) = (at, next, index);
-                } else {
-                    second = second.min(next);
-                }
-            }
-            let arrival = self.line.next();
-            let entry = self.agenda.peek().map_or(Time::NEVER, |Reverse(entry)| entry.at);
-            let first = at.min(arrival).min(entry);
-            if first > until || first == Time::NEVER {
-                self.now = self.now.max(until);
-                return Stop::Reached;
-            }
-            self.now = first;
-            self.steps += 1;
-            if entry == first {
-                self.act(observer);
-            } else if arrival == first {
-                second = second.min(self.arrive(observer));
-                self.run_alone(place, second.min(entry).min(until), observer);
-            } else {
-                self.step(place, observer);
-                self.run_alone(place, second.min(entry).min(until), observer);
-            }
-            if !self.news.is_empty() {
-                return Stop::News;
-            }
-        }
-    }
-
-    /// Goes on with one node, and with what arrives at the star point, strictly before `horizon`:
-    /// until then no other node has anything to do.
-    #[inline]
-    fn run_alone<O: Observer>(&mut self, place: usize, horizon: Time, observer: &mut O) {
-        let mut horizon = horizon;
-        while self.news.is_empty() {
-            let (next, arrival) = (self.next[place], self.line.next());
-            let first = next.min(arrival);
-            if first >= horizon {
-                return;
-            }
-            self.now = first;
-            self.steps += 1;
-            if arrival <= next {
-                horizon = horizon.min(self.arrive(observer));
-            } else {
-                self.step(place, observer);
-            }
-        }
-    }
-
-    /// Something reaches the star point. Returns when the first of the nodes that heed it has to
-    /// be looked at.
-    fn arrive<O: Observer>(&mut self, observer: &mut O) -> Time {
-        match self.line.arrive() {
-            Some(edge) => self.after_edge(edge.at, edge.to, observer),
-            None => Time::NEVER,
-        }
-    }
-
-    #[inline]
-    fn step<O: Observer>(&mut self, place: usize, observer: &mut O) {
-        let now = self.now;
-        let node = &mut self.nodes[place];
-        let step = node.step(now, &self.line.log);
-        self.next[place] = node.next();
-        match step {
-            crate::node::Step::Quiet => {}
-            crate::node::Step::Sampled(sample) => {
-                if O::SAMPLES {
-                    observer.sample(now, NodeId(place), &sample);
-                }
-            }
-            crate::node::Step::Txd(level) => self.drive(place, level, observer),
-        }
-        if self.nodes[place].has_events() {
-            self.publish(place, observer);
-        }
-    }
-
-    fn drive<O: Observer>(&mut self, place: usize, level: Level, observer: &mut O) {
-        let config = self.nodes[place].config();
-        if config.can_drive() {
-            let at = config.transceiver.to_star(self.now, level);
-            observer.txd(self.now, NodeId(place), level);
-            self.line.send(at, self.drivers[place], level);
-        }
-    }
-
-    #[cold]
-    fn publish<O: Observer>(&mut self, place: usize, observer: &mut O) {
-        while let Some(event) = self.nodes[place].take_event() {
-            observer.event(self.now, NodeId(place), &event);
-            if self.watched[place] {
-                self.news.push((self.now, NodeId(place), event));
-            }
-        }
-    }
-
-    fn after_edge<O: Observer>(&mut self, at: Time, to: Level, observer: &mut O) -> Time {
-        observer.bus(at, to);
-        let mut first = Time::NEVER;
-        if to == Level::Dominant {
-            for (node, next) in self.nodes.iter_mut().zip(&mut self.next) {
-                if node.notice_edge(at, &self.line.log) {
-                    *next = node.next();
-                    first = first.min(*next);
-                }
-            }
-        }
-        first
+    /// How runs are computed from now on.
+    pub const fn set_pace(&mut self, pace: Pace) {
+        self.pace = pace;
     }
 }

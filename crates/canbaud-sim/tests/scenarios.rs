@@ -126,6 +126,7 @@ fn schema_and_documentation_have_every_key_and_no_other() {
         (node, format!("{a}zzz = 1\n")),
         (&schema["$defs"]["timing"], format!("{a}timing = {{ zzz = 1 }}\n")),
         (&node["properties"]["delay"], format!("{a}delay = {{ zzz = 1 }}\n")),
+        (&node["properties"]["lss"], format!("{a}lss = {{ zzz = 1 }}\n")),
         (&node["properties"]["autobaud"], format!("{a}autobaud = {{ zzz = 1 }}\n")),
         (&schema["$defs"]["traffic"], format!("{a}[[traffic]]\nzzz = 1\n")),
         (&schema["$defs"]["disturbance"], format!("{a}[[disturbance]]\nzzz = 1\n")),

@@ -4,29 +4,7 @@ mod common;
 
 use canbaud::wire::{FdCrc, Frame, FrameKind, Id};
 use canbaud_sim::{Event, Mode, NodeConfig, Rng, Span, Time};
-use common::{Bench, data, node};
-
-fn any_frame(rng: &mut Rng, fd: bool) -> Frame {
-    let id = match rng.below(2) {
-        0 => Id::Base(rng.below(0x800) as u16),
-        _ => Id::Extended(rng.below(0x2000_0000) as u32),
-    };
-    let kind = match (fd, rng.below(4)) {
-        (true, n) => FrameKind::Fd { brs: n % 2 == 0, esi: n > 2 },
-        (false, 0) => FrameKind::Remote,
-        (false, _) => FrameKind::Data,
-    };
-    let dlc = rng.below(16) as u8;
-    let style = rng.below(4);
-    let bytes: Vec<u8> = (0..Frame::data_length(kind, dlc))
-        .map(|_| match style {
-            0 => 0,
-            1 => 0xFF,
-            _ => rng.bits() as u8,
-        })
-        .collect();
-    Frame::new(id, kind, dlc, &bytes).unwrap()
-}
+use common::{Bench, any_frame, data, node};
 
 #[test]
 fn thousand_frames_of_every_kind_arrive_at_nodes_with_different_clocks() {
@@ -218,105 +196,6 @@ fn tolerant_node_keeps_still_in_a_can_fd_frame_and_a_classic_one_destroys_it() {
         bench.run_bits(120);
         assert_eq!(bench.journal.transmitted(ids[0]), want, "{support:?}");
         bench.finish();
-    }
-}
-
-/// Without a look at samples the simulation reads quiet bits late; nothing else may differ.
-#[test]
-fn reading_late_changes_nothing() {
-    use canbaud_sim::{Blind, Observer, Simulation};
-    fn run<O: Observer>(seed: u64, other: &mut O) -> common::Journal {
-        let mut sim = Simulation::new(seed);
-        let mut rng = Rng::new(seed);
-        let ids: Vec<_> = (0..5)
-            .map(|n| {
-                let ppb = rng.below(8_000_000) as i64 - 4_000_000;
-                let mut config = node("n").with_ppb(ppb);
-                config.transceiver.jitter = Span::from_ns(rng.below(60));
-                config.transceiver.rx_recessive = Span::from_ns(60 + rng.below(80));
-                config.transceiver.propagation = Span::from_ns(rng.below(100));
-                // One of them at a wrong rate, and silent or not.
-                if n == 4 {
-                    config = canbaud_sim::NodeConfig::at("wrong", 410_000).unwrap();
-                    config.mode = [Mode::BusMonitoring, Mode::Normal][(seed % 2) as usize];
-                }
-                sim.add_node(config).unwrap()
-            })
-            .collect();
-        for _ in 0..60 {
-            let at = Time::ZERO + Span::from_us(rng.below(20_000));
-            sim.send_at(at, ids[rng.below(4) as usize], any_frame(&mut rng, false));
-        }
-        for _ in 0..rng.below(30) {
-            let at = Time::ZERO + Span::from_us(rng.below(20_000));
-            let width = Span::from_ns(rng.below(5_000) + 1);
-            match rng.below(3) {
-                0 => sim.dominant_at(at, width),
-                1 => sim.recessive_at(at, width),
-                _ => sim.force_rxd_at(at, ids[1], canbaud::wire::Level::Dominant, width),
-            }
-        }
-        let mut journal = common::Journal::default();
-        for ms in 1..=25 {
-            sim.run(Time::ZERO + Span::from_ms(ms), &mut (&mut *other, &mut journal));
-        }
-        journal
-    }
-    struct Samples;
-    impl Observer for Samples {
-        const SAMPLES: bool = true;
-    }
-    for seed in 0..150 {
-        let (exact, late) = (run(seed, &mut Samples), run(seed, &mut Blind));
-        assert!(exact.edges.len() > 1_000, "seed {seed}");
-        let same = exact.events.iter().zip(&late.events).take_while(|(a, b)| a == b).count();
-        assert_eq!(exact.events.get(same), late.events.get(same), "seed {seed}");
-        assert_eq!((exact.edges, exact.txd), (late.edges, late.txd), "seed {seed}");
-    }
-}
-
-/// All clocks alike and no delay: everything happens in the same femtosecond.
-#[test]
-fn reading_late_changes_nothing_where_all_events_coincide() {
-    use canbaud_sim::{Blind, Observer, Simulation, Transceiver};
-    fn run<O: Observer>(seed: u64, slice: Span, other: &mut O) -> common::Journal {
-        let mut sim = Simulation::new(seed);
-        let ids: Vec<_> = (0..4)
-            .map(|_| {
-                let transceiver = Transceiver::symmetrical(Span::from_ns(250 * (seed % 3)));
-                sim.add_node(NodeConfig { transceiver, ..node("n") }).unwrap()
-            })
-            .collect();
-        let mut rng = Rng::new(seed);
-        for n in 0..40 {
-            let at = Time::ZERO + Span::from_us(2 * rng.below(4_000));
-            sim.send_at(at, ids[n % 4], any_frame(&mut rng, false));
-            // On sample points, and on bit boundaries.
-            let at = Time::ZERO + Span::from_ns(250 * rng.below(40_000));
-            match rng.below(4) {
-                0 => sim.recessive_at(at, Span::from_us(2)),
-                1 => sim.dominant_at(at, Span::from_us(2)),
-                _ => {}
-            }
-        }
-        let mut journal = common::Journal::default();
-        while sim.now() < Time::ZERO + Span::from_ms(12) {
-            sim.run(sim.now() + slice, &mut (&mut *other, &mut journal));
-        }
-        journal
-    }
-    struct Samples;
-    impl Observer for Samples {
-        const SAMPLES: bool = true;
-    }
-    for seed in 0..60 {
-        for slice in [Span::from_us(500), Span::from_ns(1_750)] {
-            let exact = run(seed, slice, &mut Samples);
-            let late = run(seed, slice, &mut Blind);
-            assert!(exact.edges.len() > 500, "seed {seed}");
-            assert_eq!(exact.events, late.events, "seed {seed}");
-            assert_eq!((exact.edges, exact.txd), (late.edges, late.txd), "seed {seed}");
-        }
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Reading order: [`units`] (every quantity has a type), [`wire`] (edges, bits, frames),
 //! [`detect`] (the verdict), [`timing`] (bit timing and registers of controllers), [`lss`] (the bit
-//! rate and node-ID of CANopen devices).
+//! rate and node-ID of CANopen devices), [`node`] (a device that does all of it by itself; [`fault`]
+//! is the error confinement behind it).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -23,3 +24,8 @@ pub mod wire;
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
+
+/// The examples of the guide to LSS compile.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/lss.md")]
+struct LssGuide;

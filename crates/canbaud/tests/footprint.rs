@@ -1,6 +1,7 @@
 //! What the detector and the decoder cost a microcontroller in memory.
 
 use canbaud::detect::PulseDetector;
+use canbaud::detect::scan::Scan;
 use canbaud::wire::Decoder;
 
 #[test]
@@ -15,4 +16,19 @@ fn memory_grows_by_four_bytes_a_run_and_nothing_else() {
     let per_detector = size_of::<PulseDetector<800>>() - size_of::<PulseDetector<160>>();
     assert_eq!(per_detector, 4 * runs);
     assert_eq!(size_of::<Decoder<800>>() - size_of::<Decoder<160>>(), 4 * runs);
+}
+
+/// A node with a timer and eight rates; what it searches with takes turns in the same memory.
+#[test]
+fn autonomous_node_fits_three_kibibytes() {
+    let bytes = size_of::<canbaud::node::Node<160, 8>>();
+    assert!(bytes <= 3072, "{bytes} bytes");
+}
+
+#[test]
+fn scan_over_eight_candidates_fits_a_kibibyte_and_grows_by_less_than_a_hundred_bytes_each() {
+    let bytes = size_of::<Scan<8>>();
+    assert!(bytes <= 1024, "{bytes} bytes");
+    let each = (size_of::<Scan<108>>() - size_of::<Scan<8>>()) / 100;
+    assert!(each <= 80, "{each} bytes");
 }

@@ -31,7 +31,7 @@ pub(super) fn ip_link(report: &ChannelReport) -> Option<String> {
 }
 
 /// The recommended sample point [Linux `drivers/net/can/dev/calc_bittiming.c`, CiA 301].
-const fn sample_point(bitrate: u32) -> &'static str {
+pub(super) const fn sample_point(bitrate: u32) -> &'static str {
     match bitrate {
         800_001.. => "0.750",
         500_001..=800_000 => "0.800",

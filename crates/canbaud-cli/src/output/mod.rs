@@ -18,6 +18,9 @@ mod words;
 #[cfg(test)]
 mod items;
 
+pub(crate) mod live_json;
+pub(crate) mod live_text;
+
 use std::io;
 
 use canbaud::wire::Item;

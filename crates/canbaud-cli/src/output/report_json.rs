@@ -61,9 +61,9 @@ struct ExpectedRecord {
 }
 
 #[derive(Serialize)]
-struct CaveatRecord<'a> {
-    code: &'a str,
-    text: &'a str,
+pub(super) struct CaveatRecord<'a> {
+    pub(super) code: &'a str,
+    pub(super) text: &'a str,
 }
 
 #[derive(Serialize)]
@@ -73,7 +73,7 @@ struct Unreadable<'a> {
 }
 
 /// `value` with so many decimals: more would be digits of the arithmetic, not of the bus.
-fn rounded(value: f64, decimals: i32) -> f64 {
+pub(super) fn rounded(value: f64, decimals: i32) -> f64 {
     let scale = 10_f64.powi(decimals);
     // Adding 0 turns -0 into 0.
     (value * scale).round() / scale + 0.0
@@ -94,7 +94,7 @@ pub(crate) fn push_unreadable(out: &mut String, source: &str, error: &str) {
     push_line(out, &Unreadable { source, error });
 }
 
-fn push_line(out: &mut String, record: &impl Serialize) {
+pub(super) fn push_line(out: &mut String, record: &impl Serialize) {
     // Strings and numbers only: there is nothing in these records that JSON cannot hold.
     out.push_str(&serde_json::to_string(record).unwrap_or_default());
     out.push('\n');
@@ -134,7 +134,7 @@ fn judged<'a>(source: &'a str, report: &'a ChannelReport, expected: Option<Bitra
     }
 }
 
-const fn verdict_name(outcome: Outcome) -> &'static str {
+pub(super) const fn verdict_name(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Found => "found",
         Outcome::Undecided => "undecided",

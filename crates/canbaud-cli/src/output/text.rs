@@ -12,7 +12,7 @@ use super::number::{
 use super::paint::Paint;
 use super::words::{asymmetry, frames_by_kind, wrap};
 use crate::printable::printable;
-use crate::report::{ChannelReport, FrameCounts, Outcome, Rate};
+use crate::report::{Caveat, ChannelReport, FrameCounts, Outcome, Rate};
 
 /// How much to say about a source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,7 +110,7 @@ pub(crate) fn render(
     if detail == Detail::Full {
         let mut sheet = Sheet { text, paint };
         sheet.bus(bus, expected);
-        sheet.caveats(bus);
+        sheet.remarks(&bus.caveats);
         if let Some(line) = ip_link(bus) {
             let _ = write!(sheet.text, "\n  {}\n", paint.strong(&line));
         }
@@ -121,13 +121,29 @@ pub(crate) fn render(
 }
 
 /// Lines of a label and what it says.
-struct Sheet {
+pub(super) struct Sheet {
     text: String,
     paint: Paint,
 }
 
 impl Sheet {
-    fn line(&mut self, label: &str, value: &str) {
+    pub(super) const fn new(text: String, paint: Paint) -> Self {
+        Self { text, paint }
+    }
+
+    pub(super) fn into_text(self) -> String {
+        self.text
+    }
+
+    /// Dim text below a value.
+    pub(super) fn fine_print(&mut self, text: &str) {
+        for line in wrap(text, WIDTH - LABEL) {
+            let line = self.paint.dim(&line);
+            self.line("", &line);
+        }
+    }
+
+    pub(super) fn line(&mut self, label: &str, value: &str) {
         let label = self.paint.dim(&format!("{label:<LABEL$}"));
         let _ = writeln!(self.text, "  {label}{value}");
     }
@@ -190,9 +206,7 @@ impl Sheet {
             );
             self.line(label, &value);
             if let Some(users) = rate.known_as {
-                let lines = wrap(users, WIDTH - LABEL);
-                let users: Vec<String> = lines.iter().map(|line| self.paint.dim(line)).collect();
-                users.iter().for_each(|line| self.line("", line));
+                self.fine_print(users);
             }
         }
         if let (Some(wanted), Some(rate)) = (expected, &report.nominal) {
@@ -222,11 +236,11 @@ impl Sheet {
         self.line("acknowledge", &ack);
     }
 
-    fn caveats(&mut self, report: &ChannelReport) {
-        if !report.caveats.is_empty() {
+    pub(super) fn remarks(&mut self, caveats: &[Caveat]) {
+        if !caveats.is_empty() {
             self.text.push('\n');
         }
-        for caveat in &report.caveats {
+        for caveat in caveats {
             let mark = self.paint.warn("!");
             let lines = wrap(&caveat.text, WIDTH - 4);
             let _ = writeln!(self.text, "  {mark} {}", lines.join("\n    "));

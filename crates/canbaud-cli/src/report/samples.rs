@@ -1,6 +1,9 @@
 //! Reports made by hand for the tests of the outputs.
 
-use super::{Caveat, ChannelReport, FrameCounts, Outcome, Rate};
+use canbaud::detect::scan::{Acknowledgement, Candidate, FdSeen, Standing};
+use canbaud::units::{Bitrate, Micros};
+
+use super::{Caveat, ChannelReport, FrameCounts, LiveRate, LiveReport, Outcome, Rate};
 
 fn rate(bitrate: u32, ppm: f64, known_as: Option<&'static str>) -> Rate {
     let measured = f64::from(bitrate) * (1.0 + ppm * 1e-6);
@@ -100,4 +103,40 @@ pub(crate) fn silent() -> ChannelReport {
 /// Two proven rates on one line.
 pub(crate) fn conflict() -> ChannelReport {
     ChannelReport { outcome: Outcome::Conflict, other: Some(rate(250_000, 0.0, None)), ..classic() }
+}
+
+/// A live bus at 250 kbit/s, found at the second rate.
+pub(crate) fn live() -> LiveReport {
+    let standing = |rate, frames, errors| Standing {
+        candidate: Candidate::classic(Bitrate::new(rate).unwrap()),
+        refused: false,
+        visits: 1,
+        listened: Micros(20_000),
+        frames,
+        distinct: 2,
+        errors,
+        unacknowledged: 0,
+        weight: 0,
+    };
+    LiveReport {
+        source: "can0".to_owned(),
+        adapter: "can0 (gs_usb)".to_owned(),
+        outcome: Outcome::Found,
+        need: None,
+        found: Some(LiveRate {
+            nominal: 250_000,
+            data: None,
+            known_as: Some("SAE J1939"),
+            frames: 2,
+            distinct: 2,
+            errors: 0,
+            acknowledgement: Acknowledgement::Presumed,
+            fd: FdSeen::No,
+        }),
+        elapsed: Micros(41_000),
+        bound: Some(Micros(9_000_000)),
+        visits: 2,
+        tried: vec![standing(500_000, 0, 3), standing(250_000, 2, 0)],
+        caveats: Vec::new(),
+    }
 }

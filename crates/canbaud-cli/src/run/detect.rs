@@ -8,6 +8,7 @@ use std::thread;
 use canbaud_capture::{CaptureError, open};
 
 use super::failure::{source_name, unreadable, unwritable};
+use super::live::{LiveSource, live};
 use super::progress::{Audience, Progress};
 use super::queue::in_order;
 use crate::args::{DetectArgs, When};
@@ -20,6 +21,13 @@ type Judged = Result<Vec<ChannelReport>, CaptureError>;
 
 /// Judges every source and prints what was found, in the order given.
 pub(crate) fn detect(args: &DetectArgs, color: When) -> Exit {
+    if let Some(source) = args.sources.iter().find_map(|source| LiveSource::parse(source)) {
+        return live(args, &source, color);
+    }
+    if args.live.is_used() {
+        eprintln!("error: an option for live buses was given with a capture file");
+        return Exit::Usage;
+    }
     let stdout = io::stdout();
     let audience = match args.json || args.quiet {
         false if stdout.is_terminal() && io::stderr().is_terminal() => Audience::Person,
@@ -64,7 +72,7 @@ fn threads(args: &DetectArgs) -> usize {
 }
 
 /// Colours as asked for; by itself only on a terminal without NO_COLOR [no-color.org].
-fn paint(color: When, terminal: bool) -> Paint {
+pub(super) fn paint(color: When, terminal: bool) -> Paint {
     let wanted = match color {
         When::Always => true,
         When::Never => false,

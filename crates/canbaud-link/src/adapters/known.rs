@@ -135,7 +135,7 @@ const KNOWN: &[KnownDriver] = &[
         "candleLight, CANable, CANtact and other gs_usb adapters",
         SomeModels,
         Firmware,
-        "error frames need Linux 6.2 or later and a firmware that reports errors; older ones are silent",
+        "error frames need a Linux after 6.1 and a firmware that reports errors; older ones are silent",
     ),
     driver(
         &["peak_usb"],

@@ -3,11 +3,13 @@
 //! | channel | where |
 //! |---|---|
 //! | [`SocketCanBus`] | an interface of Linux, vcan included |
+//! | [`SlcanBus`] | a serial adapter |
 //! | [`MulticastBus`] | UDP multicast, as python-can's `udp_multicast` speaks it |
 //! | [`MemoryNet`] | within a program: nodes hear each other at the same bit rate |
 
 mod memory;
 mod multicast;
+mod slcan;
 #[cfg(target_os = "linux")]
 mod socketcan;
 
@@ -20,6 +22,7 @@ use crate::LinkError;
 
 pub use memory::{MemoryBus, MemoryNet};
 pub use multicast::MulticastBus;
+pub use slcan::SlcanBus;
 #[cfg(target_os = "linux")]
 pub use socketcan::SocketCanBus;
 

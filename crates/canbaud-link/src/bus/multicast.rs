@@ -47,6 +47,9 @@ impl MulticastBus {
             socket.bind(&SocketAddrV4::new(Ipv4Addr::UNSPECIFIED, port).into())?;
             socket.join_multicast_v4(group.ip(), &Ipv4Addr::UNSPECIFIED)?;
             socket.set_multicast_ttl_v4(1)?;
+            // Waited for by poll.
+            #[cfg(unix)]
+            socket.set_nonblocking(true)?;
             Ok(socket.into())
         };
         let socket =
@@ -78,12 +81,8 @@ impl FrameBus for MulticastBus {
         let until = Instant::now() + timeout;
         let mut datagram = [0; DATAGRAM];
         loop {
-            // A timeout of 0 would mean for ever.
             let left = until.saturating_duration_since(Instant::now());
-            let read = self
-                .socket
-                .set_read_timeout(Some(left.max(Duration::from_micros(1))))
-                .and_then(|()| self.socket.recv(&mut datagram));
+            let read = wait(&self.socket, left).and_then(|()| self.socket.recv(&mut datagram));
             match read {
                 Ok(count) => {
                     let datagram = datagram.get(..count).unwrap_or_default();
@@ -105,6 +104,27 @@ impl FrameBus for MulticastBus {
     fn set_bitrate(&mut self, _bitrate: Bitrate) -> Result<(), LinkError> {
         Ok(())
     }
+}
+
+/// Waits for a datagram: a read timeout of the socket would be rounded to the clock of the kernel,
+/// several ms.
+#[cfg(unix)]
+fn wait(socket: &UdpSocket, timeout: Duration) -> io::Result<()> {
+    use rustix::event::{PollFd, PollFlags, Timespec, poll};
+    let limit = Timespec {
+        tv_sec: timeout.as_secs().try_into().unwrap_or(i64::MAX),
+        tv_nsec: timeout.subsec_nanos().into(),
+    };
+    match poll(&mut [PollFd::new(socket, PollFlags::IN)], Some(&limit)) {
+        Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),
+        Err(error) => Err(error.into()),
+    }
+}
+
+#[cfg(not(unix))]
+fn wait(socket: &UdpSocket, timeout: Duration) -> io::Result<()> {
+    // A timeout of 0 would mean for ever.
+    socket.set_read_timeout(Some(timeout.max(Duration::from_micros(1))))
 }
 
 fn is_timeout(error: &io::Error) -> bool {

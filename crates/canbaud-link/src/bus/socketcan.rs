@@ -9,7 +9,7 @@ use socketcan::CanSocket;
 
 use super::FrameBus;
 use crate::LinkError;
-use crate::socketcan::netlink::{Change, Link, LinkChange, TimingInfo};
+use crate::socketcan::netlink::{Change, Link, LinkChange, TimingInfo, ctrlmode};
 use crate::socketcan::{Raw, Rtnl, encode, raw};
 
 /// How long a full queue of the interface may take to get a place.
@@ -37,6 +37,11 @@ impl SocketCanBus {
         }
         if !link.flags.is_up() {
             let what = "the interface is down: set it up first (ip link set ... up)";
+            return Err(LinkError::State { adapter: name.to_owned(), what });
+        }
+        if link.can.as_ref().is_some_and(|can| can.ctrlmode & ctrlmode::LISTEN_ONLY != 0) {
+            let what = "the interface listens only: set it down, then ip link set ... type can \
+                        listen-only off";
             return Err(LinkError::State { adapter: name.to_owned(), what });
         }
         let socket = raw::open(name, link.index)?;

@@ -124,11 +124,10 @@ impl<O: Observer> SimController<O> {
         self.heard + if self.listening { self.bus.transmissions() - self.at_start } else { 0 }
     }
 
-    /// A frame of a local process, which the host's network stack hands back.
-    pub fn loop_back(&mut self, frame: canbaud::wire::Frame) {
-        let now = self.now();
-        let seen = FrameSeen { frame, origin: Origin::Local, received: Some(now) };
-        self.told.push_back((now, Observation::Frame(seen)));
+    /// A frame of a local process, which the host's network stack hands back at `at`.
+    pub fn loop_back(&mut self, at: Micros, frame: canbaud::wire::Frame) {
+        let seen = FrameSeen { frame, origin: Origin::Local, received: Some(at) };
+        self.told.push_back((at, Observation::Frame(seen)));
     }
 
     /// Lets the time go on until it has something to tell, at most until `until`.

@@ -1,6 +1,8 @@
 //! One scan on one simulated bus, and what came of it.
 
-use canbaud::detect::scan::{Candidates, Controller, Driver, Outcome, Progress, Scan, Settings};
+use canbaud::detect::scan::{
+    Candidates, Controller, Driver, Outcome, Progress, Scan, Settings, Standing,
+};
 use canbaud::units::Micros;
 use canbaud::wire::{FrameKind, Id, Level};
 use canbaud_sim::traffic::{Arrivals, FrameFormat, Payload, Source};
@@ -68,7 +70,7 @@ pub struct Report {
     pub right: bool,
     /// It found another one.
     pub wrong: bool,
-    /// It listened at the bit rate of the bus and left it.
+    /// It met errors at the bit rate of the bus, and left it.
     pub left: bool,
     /// From the first poll to the outcome.
     pub elapsed: Micros,
@@ -139,7 +141,7 @@ impl Trial {
             };
             let mean = Span::from_fs(apart * streams);
             let arrivals = match self.load {
-                Load::Permille(_) | Load::None => Arrivals::Poisson { mean },
+                Load::Permille(_) | Load::None => Arrivals::Periodic { period: mean, jitter: mean },
                 Load::Every(_) => Arrivals::Periodic { period: mean, jitter: Span::ZERO },
             };
             let phase = Time::from_fs(rng.below(apart.max(1)) + n * apart);
@@ -219,14 +221,13 @@ impl Trial {
         };
         let near = |rate: u32| u64::from(rate.abs_diff(self.bitrate)) * 100 <= u64::from(rate);
         let right = found.is_some_and(near);
-        let visits =
-            driver.scan().standings().filter(|s| near(s.candidate.nominal.bits_per_second()));
-        let visits: u32 = visits.map(|standing| standing.visits).sum();
+        let is_right = |s: &Standing| near(s.candidate.nominal.bits_per_second());
+        let at_rate = driver.scan().standings().find(is_right);
         Report {
             outcome,
             right,
             wrong: found.is_some() && !right,
-            left: visits > u32::from(right),
+            left: at_rate.is_some_and(|s| s.errors > 0 && s.visits > u32::from(right)),
             elapsed: driver.scan().status(now).elapsed,
             bound: driver.scan().bound(),
             transmissions: driver.controller().bus().transmissions(),

@@ -73,8 +73,10 @@ const fn class_of(kind: u8, place: u8) -> ErrorClass {
 
 const fn place_of(place: u8) -> ErrorPlace {
     match place {
-        // SOF, identifier, SRTR, IDE, RTR, reserved bits, DLC, data, CRC sequence.
-        0x02..=0x0F => ErrorPlace::BeforeCrcEnd,
+        // SOF, identifier, SRTR, IDE, RTR.
+        0x02..=0x07 | 0x0C | 0x0E | 0x0F => ErrorPlace::Arbitration,
+        // Reserved bits, DLC, data, CRC sequence.
+        0x08..=0x0B | 0x0D => ErrorPlace::BeforeCrcEnd,
         place::CRC_DELIMITER => ErrorPlace::CrcDelimiter,
         place::ACK_SLOT => ErrorPlace::AckSlot,
         place::ACK_DELIMITER => ErrorPlace::AckDelimiter,
@@ -96,11 +98,14 @@ mod tests {
         }
     }
 
+    /// Name, class bits, data, and what they mean.
+    type Case = (&'static str, u32, [u8; 8], (ErrorClass, ErrorPlace));
+
     /// What each driver makes of an error, from its source in Linux 6.12.
     #[test]
     fn drivers_say_the_same_thing_in_their_ways() {
         use ErrorClass::{Acknowledge, Bit, Crc, Form, Stuff, Unknown};
-        let cases: [(&str, u32, [u8; 8], (ErrorClass, ErrorPlace)); 12] = [
+        let cases: [Case; 12] = [
             // gs_usb of candleLight as candump showed it: PROT | BUSERROR | CNT, stuff, REC 6.
             ("gs_usb", 0x288, [0, 0, 4, 0, 0, 0, 0, 6], (Stuff, ErrorPlace::Unknown)),
             (

@@ -2,23 +2,21 @@
 
 use std::io;
 use std::path::Path;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant};
 
 use canbaud::detect::scan::{
-    Candidate, Capabilities, Capture, Configured, Controller, Evidence, FrameSeen, Observation,
-    Origin, RateChoice,
+    Candidate, Capabilities, Capture, Configured, Controller, Evidence, Observation, RateChoice,
 };
 use canbaud::units::{Bitrate, Micros};
-use canbaud::wire::{Frame, Id};
 
-use super::error_frame;
-use super::frame::Raw;
+use super::hear;
 use super::netlink::{CanInfo, Change, Link, LinkChange, TimingConst, TimingInfo, ctrlmode};
-use super::raw::{RawSocket, Reception};
+use super::raw::RawSocket;
 use super::restore::Saved;
 use super::rtnl::Rtnl;
 use super::setup::{Device, Profile};
-use crate::{Clock, LinkError, Listener};
+use super::wide::wide;
+use crate::{After, Clock, LinkError, Listener};
 
 /// Changing the rate takes 3 to 21 ms with the adapters that were measured; USB may wait.
 const RECONFIGURATION: Micros = Micros::from_ms(300);
@@ -28,19 +26,8 @@ const LATENCY: Micros = Micros::from_ms(50);
 const POLL: Micros = Micros::from_ms(10);
 /// Things heard at once that say nothing about the rate.
 const BURST: usize = 64;
-/// The driver of PEAK USB adapters, which loses the mark of its error frames.
-const PEAK_USB: &str = "peak_usb";
-/// What is left of such a frame: `CAN_ERR_CNT` as an identifier.
-const PEAK_COUNTERS: u16 = 0x200;
-
-/// How to leave the interface behind a successful scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum After {
-    /// At the found rate, listening.
-    Listening,
-    /// At the found rate, taking part in the traffic.
-    Normal,
-}
+/// The driver of serial adapters.
+const SLCAN: &str = "slcan";
 
 /// An interface that only listens; put back as it was found when it goes out of use.
 #[derive(Debug)]
@@ -98,28 +85,6 @@ impl SocketCanListener {
     #[must_use]
     pub fn driver(&self) -> Option<&str> {
         self.profile.driver.as_deref()
-    }
-
-    /// Sets `candidate` for good, instead of what was found, and sets the interface up.
-    ///
-    /// # Errors
-    /// What could not be set; the interface is put back later then.
-    pub fn keep(&mut self, candidate: &Candidate, after: After) -> Result<(), LinkError> {
-        Controller::configure(self, candidate)?;
-        let can = self.read_back()?.can.unwrap_or_default();
-        // What the scan switched for itself goes back; the mode is as the user asked.
-        let mut own = ctrlmode::BERR_REPORTING;
-        let mut values = can.ctrlmode & !TDC;
-        if after == After::Normal {
-            own |= ctrlmode::LOOPBACK | ctrlmode::PRESUME_ACK;
-            values &= !ctrlmode::LISTEN_ONLY;
-        }
-        values = values & !own | self.saved.ctrlmode() & own;
-        let mask = (can.ctrlmode | values) & !TDC;
-        self.change(&LinkChange { ctrlmode: Some((mask, values)), ..LinkChange::default() })?;
-        self.change(&LinkChange::only(Change::Up))?;
-        self.touched = false;
-        Ok(())
     }
 
     fn change(&mut self, change: &LinkChange) -> Result<(), LinkError> {
@@ -186,32 +151,6 @@ impl SocketCanListener {
         self.set(&change)
     }
 
-    fn observation(&mut self, heard: Reception, now: Micros) -> Option<Observation> {
-        let received = heard.stamp.and_then(|at| Clock::at(now, SystemTime::now(), at));
-        match heard.raw {
-            Raw::Error { class, data } => error_frame::observe(class, data, received),
-            Raw::Frame(frame) if self.is_peak_counters(&frame) => {
-                Some(Observation::ReceiveErrors(frame.data().get(7).copied().unwrap_or(0).into()))
-            }
-            Raw::Frame(frame) => {
-                let origin = if heard.local { Origin::Local } else { Origin::Bus };
-                Some(Observation::Frame(FrameSeen { frame, origin, received }))
-            }
-        }
-    }
-
-    /// A state change that the PEAK driver passes on as if it were a data frame.
-    fn is_peak_counters(&self, frame: &Frame) -> bool {
-        let zero = |range: core::ops::Range<usize>| {
-            frame.data().get(range).is_some_and(|bytes| bytes.iter().all(|byte| *byte == 0))
-        };
-        self.driver() == Some(PEAK_USB)
-            && frame.id() == Id::Base(PEAK_COUNTERS)
-            && frame.data().len() == 8
-            && zero(0..1)
-            && zero(2..6)
-    }
-
     fn poll_counter(&mut self, now: Micros) -> Result<Option<Observation>, LinkError> {
         if self.profile.evidence != Evidence::Counter || now < self.counter.due {
             return Ok(None);
@@ -224,6 +163,32 @@ impl SocketCanListener {
         }
         self.counter.last = count;
         Ok(count.map(Observation::ReceiveErrors))
+    }
+
+    /// Hears what comes, once the kernel confirms that it listens as it was set.
+    fn listen(&mut self, setting: Setting) -> Result<(), LinkError> {
+        let after = self.read_back()?;
+        if !matches!(self.setting_of(&after), Ok(real) if real == setting) || !after.flags.is_up() {
+            return Err(self.state("somebody else changed the interface during the scan"));
+        }
+        self.socket = Some(RawSocket::open(&self.link.name, self.link.index)?);
+        self.settle()?;
+        self.counter = Counter { due: self.clock.now(), last: None };
+        Ok(())
+    }
+
+    /// Throws away what the adapter still had in its queue.
+    fn settle(&mut self) -> Result<(), LinkError> {
+        let end = Instant::now() + self.profile.settle;
+        let Some(socket) = &self.socket else { return Ok(()) };
+        let drain = || loop {
+            while socket.receive()?.is_some() && Instant::now() < end {}
+            match end.checked_duration_since(Instant::now()) {
+                None | Some(Duration::ZERO) => return Ok(()),
+                Some(left) => socket.wait(left)?,
+            }
+        };
+        drain().map_err(|error| self.broken(error))
     }
 
     /// Why the socket does not work any more.
@@ -250,29 +215,6 @@ const NOT_WHILE_LISTENING: u32 = ctrlmode::LOOPBACK | ctrlmode::PRESUME_ACK | ct
 /// A bit rate that the kernel makes a bit timing for.
 fn rate_alone(rate: Bitrate) -> TimingInfo {
     TimingInfo { bitrate: rate.bits_per_second(), ..TimingInfo::default() }
-}
-
-/// The same rate with the sample point near the middle and the largest SJW; `None` if the limits
-/// do not allow it.
-fn wide(timing: TimingInfo, limits: &TimingConst) -> Option<TimingInfo> {
-    let quanta = timing.quanta();
-    let longest = limits.tseg2.1.min((quanta - 1) / 2);
-    let tseg2 = longest.max((quanta - 1).checked_sub(limits.tseg1.1)?);
-    let tseg1 = (quanta - 1).checked_sub(tseg2)?;
-    let fits = (limits.tseg1.0..=limits.tseg1.1).contains(&tseg1)
-        && (limits.tseg2.0..=limits.tseg2.1).contains(&tseg2);
-    // At least one TQ for PROP_SEG.
-    let phase_seg1 = tseg2.min(tseg1.checked_sub(1)?);
-    fits.then_some(TimingInfo {
-        bitrate: 0,
-        sample_point: 0,
-        tq: timing.tq,
-        prop_seg: tseg1 - phase_seg1,
-        phase_seg1,
-        phase_seg2: tseg2,
-        sjw: limits.sjw_max.min(phase_seg1).min(tseg2),
-        brp: 0,
-    })
 }
 
 impl Controller for SocketCanListener {
@@ -324,15 +266,12 @@ impl Controller for SocketCanListener {
         if before.flags.is_up() || self.setting_of(&before)? != setting {
             return Err(self.state("somebody else changed the interface during the scan"));
         }
-        self.change(&LinkChange::only(Change::Up))?;
-        let after = self.read_back()?;
-        if self.setting_of(&after)? != setting || !after.flags.is_up() {
-            self.set_down()?;
-            return Err(self.state("somebody else changed the interface during the scan"));
+        let up = self.change(&LinkChange::only(Change::Up)).and_then(|()| self.listen(setting));
+        if up.is_err() {
+            // Whatever it was set to by then, down it drives nothing.
+            let _ = self.set_down();
         }
-        self.socket = Some(RawSocket::open(&self.link.name, self.link.index)?);
-        self.counter = Counter { due: self.clock.now(), last: None };
-        Ok(())
+        up
     }
 
     fn observe(&mut self, now: Micros) -> Result<Option<Observation>, LinkError> {
@@ -343,7 +282,7 @@ impl Controller for SocketCanListener {
             };
             match socket.receive() {
                 Ok(Some(heard)) => {
-                    if let Some(observation) = self.observation(heard, now) {
+                    if let Some(observation) = hear::observation(self.driver(), heard, now) {
                         return Ok(Some(observation));
                     }
                 }
@@ -393,6 +332,13 @@ impl Listener for SocketCanListener {
                  and it is put back afterwards"
             ));
         }
+        if self.driver() == Some(SLCAN) {
+            remarks.push(format!(
+                "{name} is a serial adapter whose answers its driver does not read: one without \
+                 listen-only stays closed, which looks like a silent bus; without slcand, \
+                 canbaud detect slcan:/dev/tty... asks the adapter itself"
+            ));
+        }
         if self.saved.bitrate().is_none() && self.saved.ctrlmode() & ctrlmode::LISTEN_ONLY == 0 {
             remarks.push(format!(
                 "{name} had no bit rate: Linux cannot take one away again, so the last one tried \
@@ -402,16 +348,35 @@ impl Listener for SocketCanListener {
         remarks
     }
 
+    fn keep(&mut self, candidate: &Candidate, after: After) -> Result<(), LinkError> {
+        Controller::configure(self, candidate)?;
+        let can = self.read_back()?.can.unwrap_or_default();
+        // What the scan switched for itself goes back; the mode is as the user asked.
+        let mut own = ctrlmode::BERR_REPORTING;
+        let mut values = can.ctrlmode & !TDC;
+        if after == After::Normal {
+            own |= ctrlmode::LOOPBACK | ctrlmode::PRESUME_ACK;
+            values &= !ctrlmode::LISTEN_ONLY;
+        }
+        values = values & !own | self.saved.ctrlmode() & own;
+        let mask = (can.ctrlmode | values) & !TDC;
+        self.change(&LinkChange { ctrlmode: Some((mask, values)), ..LinkChange::default() })?;
+        self.change(&LinkChange::only(Change::Up))?;
+        self.touched = false;
+        Ok(())
+    }
+
     fn restore(&mut self) -> Result<(), LinkError> {
         self.socket = None;
         self.configured = None;
         if !self.touched {
             return Ok(());
         }
-        // Whatever comes of it: a second attempt would go the same way.
-        self.touched = false;
-        let now = self.read_back()?;
-        self.saved.clone().restore(&mut self.rtnl, &now)
+        let done =
+            self.read_back().and_then(|now| self.saved.clone().restore(&mut self.rtnl, &now));
+        // What the kernel refused once it may grant once more; the rest would go the same way.
+        self.touched = matches!(done, Err(LinkError::Io { .. }));
+        done
     }
 }
 
@@ -421,6 +386,3 @@ impl Drop for SocketCanListener {
         let _ = self.restore();
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -7,14 +7,17 @@
 
 mod error_frame;
 mod frame;
+mod hear;
 mod listener;
 pub mod netlink;
 pub(crate) mod raw;
 mod restore;
 mod rtnl;
 mod setup;
+mod wide;
 
-pub use listener::{After, SocketCanListener};
+pub use listener::SocketCanListener;
 pub use rtnl::Rtnl;
 
 pub(crate) use frame::{Raw, encode};
+pub(crate) use setup::{Device, Profile};

@@ -50,14 +50,18 @@ impl Saved {
         if now.flags.is_up() {
             rtnl.change(now, &LinkChange::only(Change::Down))?;
         }
-        let fixed = now.can.as_ref().is_some_and(|can| can.timing_const.is_none());
-        let exact = if fixed { Form::Bitrate } else { Form::Segments };
-        let mut tried = rtnl.change(now, &self.change(now, exact));
+        // Mostly it was the kernel that computed the segments, and will again.
+        let mut tried = rtnl.change(now, &self.change(now, Form::Bitrate));
         let mut reached = rtnl.read_back(&now.name, now.index)?;
-        if self.difference(&reached).is_some() && exact != Form::Bitrate {
-            // The kernel computes the prescaler from a rounded TQ: the rate as a second way.
-            tried = rtnl.change(&reached, &self.change(&reached, Form::Bitrate));
+        let fixed = now.can.as_ref().is_some_and(|can| can.timing_const.is_none());
+        if !fixed && !self.has_segments(&reached) {
+            tried = rtnl.change(&reached, &self.change(&reached, Form::Segments));
             reached = rtnl.read_back(&now.name, now.index)?;
+            // The kernel computes the prescaler from a rounded TQ: better the rate than that.
+            if self.difference(&reached).is_some() {
+                tried = rtnl.change(&reached, &self.change(&reached, Form::Bitrate));
+                reached = rtnl.read_back(&now.name, now.index)?;
+            }
         }
         let complaint = match (self.difference(&reached), tried) {
             (None, _) => None,
@@ -97,6 +101,17 @@ impl Saved {
         TdcInfo { tdcv: if manual { tdc.tdcv } else { None }, ..tdc }
     }
 
+    /// Whether prescaler and segments are those of the state, where there are any.
+    fn has_segments(&self, link: &Link) -> bool {
+        let none = CanInfo::default();
+        let can = link.can.as_ref().unwrap_or(&none);
+        let same = |was: Option<TimingInfo>, is: Option<TimingInfo>| {
+            // TQ is left out: which way the kernel rounds it depends on how it was asked.
+            was.is_none_or(|was| is.is_some_and(|is| TimingInfo { tq: was.tq, ..is } == was))
+        };
+        same(self.timing, can.timing) && same(self.data_timing, can.data_timing)
+    }
+
     /// What of the state `link` does not have; a bit rate that was never set cannot be taken away.
     fn difference(&self, link: &Link) -> Option<String> {
         let can = link.can.as_ref()?;
@@ -105,38 +120,33 @@ impl Saved {
             return Some(format!("its control mode is {is:#x}, it was {was:#x}"));
         }
         let pairs = [(self.timing, can.timing), (self.data_timing, can.data_timing)];
-        let rate = pairs.into_iter().find_map(|(was, is)| {
+        pairs.into_iter().find_map(|(was, is)| {
             let was = was?;
             let is = is.unwrap_or_default();
             (is.bitrate != was.bitrate).then(|| {
                 format!("its bit rate is {} bit/s, it was {} bit/s", is.bitrate, was.bitrate)
             })
-        });
-        rate
+        })
     }
 }
 
 /// How to say a bit timing to the kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Form {
-    /// Rate and sample point; the kernel computes the segments.
+    /// Rate, sample point and SJW; the kernel computes the segments.
     Bitrate,
     /// TQ and segments.
     Segments,
 }
 
 impl Form {
-    const fn of(self, timing: TimingInfo) -> TimingInfo {
+    fn of(self, timing: TimingInfo) -> TimingInfo {
         match self {
             Self::Bitrate => TimingInfo {
                 bitrate: timing.bitrate,
                 sample_point: timing.sample_point,
-                tq: 0,
-                prop_seg: 0,
-                phase_seg1: 0,
-                phase_seg2: 0,
-                sjw: 0,
-                brp: 0,
+                sjw: timing.sjw,
+                ..TimingInfo::default()
             },
             Self::Segments => TimingInfo { bitrate: 0, sample_point: 0, brp: 0, ..timing },
         }

@@ -14,6 +14,10 @@ use crate::LinkError;
 const DATAGRAM: usize = 1 << 15;
 /// Datagrams to one request: far more interfaces than a machine has.
 const DATAGRAMS: usize = 4096;
+/// EINTR, and what the kernel has for it inside (ERESTARTSYS and its relatives).
+const INTERRUPTED: [i32; 5] = [4, 512, 513, 514, 516];
+/// Signals that a change may meet.
+const INTERRUPTIONS: usize = 8;
 const EPERM: i32 = 1;
 const ENODEV: i32 = 19;
 
@@ -95,7 +99,17 @@ impl Rtnl {
     /// [`LinkError::Permission`], [`LinkError::Gone`], or what the kernel says. A part of the change
     /// may have been made then: read it back.
     pub fn change(&mut self, link: &Link, change: &LinkChange) -> Result<(), LinkError> {
-        match self.try_change(link.index, change) {
+        let mut result = self.try_change(link.index, change);
+        // Drivers that wait for their hardware stop waiting when a signal comes.
+        for _ in 0..INTERRUPTIONS {
+            match &result {
+                Err(Refusal::Kernel(error)) if INTERRUPTED.contains(&error.errno) => {
+                    result = self.try_change(link.index, change);
+                }
+                _ => break,
+            }
+        }
+        match result {
             Ok(()) => Ok(()),
             Err(Refusal::System(error)) => {
                 Err(LinkError::io(format!("cannot change {}", link.name), error))
@@ -119,7 +133,7 @@ impl Rtnl {
 
     /// Sends a request and reads until its end.
     fn exchange(
-        &mut self,
+        &self,
         request: &[u8],
         sequence: u32,
         wanted: Wanted,

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::time::Duration;
 
 use canbaud::detect::scan::{Evidence, FdSupport};
 use canbaud::units::Bitrate;
@@ -72,6 +73,8 @@ pub(crate) struct Profile {
     pub(crate) fd: FdSupport,
     /// Whether error frames are to be asked for.
     pub(crate) berr_reporting: bool,
+    /// How long frames from before a change of rate may come after it.
+    pub(crate) settle: Duration,
 }
 
 impl Profile {
@@ -95,8 +98,16 @@ impl Profile {
             evidence: evidence(can, device, berr_reporting),
             fd,
             berr_reporting,
+            settle: settle(device),
         })
     }
+}
+
+/// An adapter behind USB or a serial line has a queue of its own, which outlives the controller's;
+/// 64 frames cross full-speed USB in 4 ms.
+fn settle(device: &Device) -> Duration {
+    let queues = device.usb.is_some() || device.driver.as_deref() == Some("slcan");
+    Duration::from_millis(if queues { 20 } else { 0 })
 }
 
 fn usable(link: &Link) -> Result<&CanInfo, LinkError> {

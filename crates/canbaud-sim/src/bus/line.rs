@@ -97,8 +97,17 @@ impl Line {
         self.settle(now)
     }
 
-    pub(crate) const fn is_shorted(&self) -> bool {
-        self.shorted > 0
+    /// Whether nobody but `driver` drives the line, and nothing is under way.
+    pub(crate) fn belongs_to(&self, driver: usize) -> bool {
+        let own = usize::from(self.drivers[driver] == Level::Dominant);
+        self.under_way.is_empty() && self.shorted == 0 && self.dominant == own
+    }
+
+    /// `driver`, to whom the line belongs, has brought it to `level`; the edges are in the log.
+    pub(crate) fn brought_to(&mut self, driver: usize, level: Level) {
+        self.drivers[driver] = level;
+        self.dominant = usize::from(level == Level::Dominant);
+        self.level = level;
     }
 
     fn settle(&mut self, at: Time) -> Option<Edge> {

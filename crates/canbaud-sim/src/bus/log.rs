@@ -15,6 +15,10 @@ pub(crate) struct Edge {
     pub(crate) to: Level,
 }
 
+/// Edges that may be taken back: they were entered before their time has come.
+const AHEAD: usize = 4096;
+const RING: usize = CAPACITY + AHEAD;
+
 /// A ring of edges, numbered from the start of the run.
 #[derive(Debug, Clone)]
 pub(crate) struct EdgeLog {
@@ -24,7 +28,7 @@ pub(crate) struct EdgeLog {
 
 impl EdgeLog {
     pub(crate) fn new() -> Self {
-        Self { ring: vec![Edge { at: Time::ZERO, to: Level::Recessive }; CAPACITY], head: 0 }
+        Self { ring: vec![Edge { at: Time::ZERO, to: Level::Recessive }; RING], head: 0 }
     }
 
     /// The number that the next edge will have.
@@ -40,8 +44,14 @@ impl EdgeLog {
     }
 
     pub(crate) fn push(&mut self, edge: Edge) {
-        self.ring[self.head as usize % CAPACITY] = edge;
+        self.ring[self.head as usize % RING] = edge;
         self.head += 1;
+    }
+
+    /// Takes the latest edges back, from edge `head` on.
+    pub(crate) fn take_back(&mut self, head: u64) {
+        debug_assert!(self.head - head <= AHEAD as u64);
+        self.head = head;
     }
 
     /// Edge `number`; `None` if it has not happened.
@@ -49,7 +59,7 @@ impl EdgeLog {
     pub(crate) fn get(&self, number: u64) -> Option<Edge> {
         (number < self.head).then(|| {
             debug_assert!(self.head - number <= CAPACITY as u64, "edge {number} is forgotten");
-            self.ring[number as usize % CAPACITY]
+            self.ring[number as usize % RING]
         })
     }
 }

@@ -5,5 +5,5 @@ mod log;
 mod transceiver;
 
 pub(crate) use line::Line;
-pub(crate) use log::EdgeLog;
+pub(crate) use log::{Edge, EdgeLog};
 pub use transceiver::Transceiver;

@@ -56,6 +56,18 @@ impl Transceiver {
         at + delay + self.propagation
     }
 
+    /// The longest way from TXD over the star point back to RXD.
+    pub(crate) fn longest_loop(&self) -> Span {
+        let dominant = self.tx_dominant + self.rx_dominant;
+        let recessive = self.tx_recessive + self.rx_recessive;
+        dominant.max(recessive) + self.propagation + self.propagation + self.jitter
+    }
+
+    /// The shortest way from TXD to the star point.
+    pub(crate) fn shortest_way_out(&self) -> Span {
+        self.tx_dominant.min(self.tx_recessive) + self.propagation
+    }
+
     /// When an edge at the star point reaches RXD; `lot` decides on the jitter.
     #[inline]
     pub(crate) fn to_rxd(self, at: Time, to: Level, lot: u64) -> Time {

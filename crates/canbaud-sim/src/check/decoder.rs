@@ -59,6 +59,8 @@ pub(super) struct Decoder {
 /// Takes bits off the wire.
 struct Cursor<'a> {
     edges: Vec<(f64, u8)>,
+    /// Edges before this one lie too far back to matter.
+    past: usize,
     timing: &'a Timing,
     /// Start of the next bit.
     at: f64,
@@ -69,17 +71,22 @@ struct Cursor<'a> {
 
 impl Cursor<'_> {
     fn level(&self, time: f64) -> u8 {
-        self.edges.iter().rev().find(|(at, _)| *at <= time).map_or(1, |(_, level)| *level)
+        let before = self.edges[self.past..].iter().take_while(|(at, _)| *at <= time);
+        before.last().map_or(1, |(_, level)| *level)
     }
 
     /// The next bit; its start is taken from an edge to dominant that lies near.
     fn bit(&mut self) -> u8 {
         let length = if self.fast { self.timing.data } else { self.timing.nominal };
-        let near = self
-            .edges
-            .iter()
-            .find(|(at, level)| *level == 0 && (at - self.at).abs() < length * 0.45);
-        if let Some((at, _)) = near {
+        // The last edge before a run of five bits still says what their level is.
+        let long_ago = self.at - 8.0 * self.timing.nominal;
+        while self.edges.get(self.past + 1).is_some_and(|(at, _)| *at < long_ago) {
+            self.past += 1;
+        }
+        let mut around =
+            self.edges[self.past..].iter().take_while(|(at, _)| *at < self.at + length);
+        let near = |(at, level): &&(f64, u8)| *level == 0 && (at - self.at).abs() < length * 0.45;
+        if let Some((at, _)) = around.find(near) {
             self.at = *at;
         }
         let sample = if self.fast { self.timing.data_sample } else { self.timing.nominal_sample };
@@ -104,7 +111,7 @@ impl Cursor<'_> {
     /// Five equal bits at the end of what was read?
     fn stuffed(&self, since: usize) -> bool {
         let tail = &self.raw[since..];
-        tail.len() >= 5 && tail[tail.len() - 5..].windows(2).all(|pair| pair[0] == pair[1])
+        matches!(tail, [.., a, b, c, d, e] if a == b && b == c && c == d && d == e)
     }
 }
 
@@ -360,22 +367,22 @@ impl Decoder {
 
     fn check(&mut self, started: Time, node: NodeId, frame: &Frame) -> Result<(), String> {
         let timing = self.timings[node.0];
-        // SOF is this sender's or, when it joined, began up to one and a half bits before.
-        let earliest = started.femtoseconds() as f64 - timing.nominal;
-        let mut edges: Vec<(f64, u8)> = self
-            .edges
-            .iter()
-            .map(|(at, level)| (at.femtoseconds() as f64, u8::from(*level == Level::Recessive)))
-            .collect();
         if !timing.on_bus || self.disturbed.is_some_and(|at| at >= started) {
             return Ok(());
         }
-        let sof = edges.iter().position(|(at, level)| *at >= earliest && *level == 0);
-        let sof = sof.ok_or("nothing")?;
-        let at = edges[sof].0;
-        edges.drain(..sof);
+        // SOF is this sender's or, when it joined, began up to one and a half bits before.
+        let earliest = started.femtoseconds() as f64 - timing.nominal;
+        let from = self.edges.partition_point(|(at, _)| (at.femtoseconds() as f64) < earliest);
+        let edges: Vec<(f64, u8)> = self
+            .edges
+            .range(from..)
+            .map(|(at, level)| (at.femtoseconds() as f64, u8::from(*level == Level::Recessive)))
+            .skip_while(|(_, level)| *level == 1)
+            .collect();
+        let at = edges.first().ok_or("nothing")?.0;
         self.decoded += 1;
-        let mut cursor = Cursor { edges, timing: &timing, at, fast: false, raw: Vec::new() };
+        let mut cursor =
+            Cursor { edges, past: 0, timing: &timing, at, fast: false, raw: Vec::new() };
         decode(&mut cursor, frame)
     }
 }

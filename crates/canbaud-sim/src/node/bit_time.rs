@@ -2,8 +2,9 @@
 
 use core::cmp::Ordering;
 
-use crate::clock::{Clock, Quantum, Tick};
-use crate::time::Time;
+use super::segments::Segments;
+use crate::clock::{Clock, Tick};
+use crate::time::{Span, Time};
 use crate::timing::BitTiming;
 
 /// Which of the two bit rates a bit has.
@@ -51,40 +52,11 @@ pub enum SyncOutcome {
     Ignored,
 }
 
-/// A bit timing in the quanta of one clock.
-#[derive(Debug, Clone)]
-struct Segments {
-    quantum: Quantum,
-    sample: u64,
-    phase_seg2: u64,
-    sjw: u64,
-}
-
-impl Segments {
-    fn new(clock: &Clock, timing: &BitTiming) -> Self {
-        Self {
-            quantum: clock.quantum(timing.prescaler()),
-            sample: timing.sample_quanta().into(),
-            phase_seg2: timing.phase_seg2().into(),
-            sjw: timing.sjw().into(),
-        }
-    }
-
-    const fn total(&self) -> u64 {
-        self.sample + self.phase_seg2
-    }
-}
-
 /// Where a node is in its bit: the bit whose sample point comes next.
 ///
 /// Everything is counted in quanta from `origin`, the last sample point; edges only move counts.
-#[derive(Debug, Clone)]
-pub(crate) struct BitTime {
-    clock: Clock,
-    nominal: Segments,
-    data: Segments,
-    timings: (BitTiming, BitTiming),
-    rate: Rate,
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Position {
     origin: Tick,
     /// Quanta from the origin to the start of the bit.
     start: u64,
@@ -92,6 +64,17 @@ pub(crate) struct BitTime {
     to_sample: u64,
     sample: Tick,
     last: Option<SyncOutcome>,
+}
+
+/// The clock and the bit timings of a node, and where it is.
+#[derive(Debug, Clone)]
+pub(crate) struct BitTime {
+    clock: Clock,
+    nominal: Segments,
+    data: Segments,
+    timings: (BitTiming, BitTiming),
+    rate: Rate,
+    at: Position,
 }
 
 impl BitTime {
@@ -108,13 +91,15 @@ impl BitTime {
             data: Segments::new(&clock, &data),
             timings: (nominal, data),
             rate: Rate::Nominal,
-            origin,
-            start: 0,
-            to_sample: segments.sample,
-            sample: clock.after(origin, &segments.quantum, segments.sample),
+            at: Position {
+                origin,
+                start: 0,
+                to_sample: segments.sample,
+                sample: clock.after(origin, &segments.quantum, segments.sample),
+                last: None,
+            },
             nominal: segments,
             clock,
-            last: None,
         }
     }
 
@@ -123,8 +108,18 @@ impl BitTime {
         self.nominal = Segments::new(&clock, &self.timings.0);
         self.data = Segments::new(&clock, &self.timings.1);
         self.clock = clock;
-        self.origin = self.origin.rebased();
+        self.at.origin = self.at.origin.rebased();
         self.place_sample();
+    }
+
+    /// Where the node is.
+    pub(crate) const fn position(&self) -> Position {
+        self.at
+    }
+
+    /// Back to where the node was, at the same rate.
+    pub(crate) const fn go_back(&mut self, at: Position) {
+        self.at = at;
     }
 
     #[inline]
@@ -142,17 +137,68 @@ impl BitTime {
     /// The start of the bit whose sample point comes next.
     #[inline]
     pub(crate) fn start(&self) -> Time {
-        self.tick(self.start).time()
+        self.tick(self.at.start).time()
     }
 
     #[inline]
     pub(crate) const fn sample(&self) -> Time {
-        self.sample.time()
+        self.at.sample.time()
+    }
+
+    #[inline]
+    pub(crate) const fn sample_tick(&self) -> Tick {
+        self.at.sample
+    }
+
+    /// The last sample point.
+    #[inline]
+    pub(crate) const fn origin(&self) -> Tick {
+        self.at.origin
+    }
+
+    /// The tick `bits` whole bits after `from`.
+    #[inline]
+    pub(crate) fn bits_after(&self, from: Tick, bits: u32) -> Tick {
+        let segments = self.segments();
+        match segments.bits.get(bits as usize) {
+            Some(length) => self.clock.next(from, length),
+            None => self.clock.after(from, &segments.bits[1], bits.into()),
+        }
+    }
+
+    /// How many whole bits after `from` end at or before `time`, which is not before `from`.
+    pub(crate) fn bits_until(&self, from: Tick, time: Time) -> u64 {
+        self.clock.locate(from, &self.segments().bits[1], time)
+    }
+
+    /// The start of the bit that follows the sample point `last`.
+    #[inline]
+    pub(crate) fn start_after(&self, last: Tick) -> Tick {
+        self.clock.next(last, &self.segments().to_start)
+    }
+
+    /// The end of SYNC_SEG of a bit that starts at `start`.
+    #[inline]
+    pub(crate) fn end_of_sync_seg(&self, start: Tick) -> Tick {
+        self.clock.next(start, &self.segments().quantum)
+    }
+
+    /// At least this lies between the start of a bit and its sample point.
+    pub(crate) const fn least_to_sample(&self) -> Span {
+        let segments = self.segments();
+        Span::from_fs(segments.quantum.femtoseconds() * segments.sample)
+    }
+
+    /// Whole bits went by in which edges did nothing but `sync`, up to the sample point `last`;
+    /// the one after that is `next`.
+    pub(crate) const fn go_by(&mut self, last: Tick, next: Tick, sync: Option<SyncOutcome>) {
+        self.begin_after(last, next);
+        self.at.last = sync;
     }
 
     #[inline]
     fn tick(&self, quanta: u64) -> Tick {
-        self.clock.after(self.origin, &self.segments().quantum, quanta)
+        self.clock.after(self.at.origin, &self.segments().quantum, quanta)
     }
 
     /// A time before the sample point that follows the next `bits` ones, however edges shorten the
@@ -161,33 +207,67 @@ impl BitTime {
     pub(crate) fn before_sample(&self, bits: u32) -> Option<Time> {
         let segments = self.segments();
         let bits = u64::from(bits);
-        // An edge to dominant comes every other bit at most.
-        let shortened = (bits / 2 + 2) * segments.sjw;
+        // A pulse between two sample points may shorten any bit.
+        let shortened = (bits + 1) * segments.sjw;
         let quanta = (bits * segments.total()).checked_sub(shortened)?;
-        Some(self.clock.after(self.sample, &segments.quantum, quanta).time())
+        Some(self.clock.after(self.at.sample, &segments.quantum, quanta).time())
     }
 
     /// The sample point after the next `bits` ones, if no edge comes.
     #[inline]
     pub(crate) fn sample_after(&self, bits: u32) -> Time {
         let segments = self.segments();
-        self.clock.after(self.sample, &segments.quantum, u64::from(bits) * segments.total()).time()
+        self.clock
+            .after(self.at.sample, &segments.quantum, u64::from(bits) * segments.total())
+            .time()
     }
 
     #[inline]
     fn place_sample(&mut self) {
-        self.sample = self.tick(self.to_sample);
+        self.at.sample = self.tick(self.at.to_sample);
     }
 
     /// Past the sample point: the rest of the bit and the next one have `rate`.
     #[inline]
     pub(crate) fn advance(&mut self, rate: Rate) {
         self.rate = rate;
-        self.origin = self.sample;
-        let (phase_seg2, sample) = (self.segments().phase_seg2, self.segments().sample);
-        self.start = phase_seg2;
-        self.to_sample = phase_seg2 + sample;
-        self.place_sample();
+        let next = self.clock.next(self.at.sample, &self.segments().bits[1]);
+        self.begin_after(self.at.sample, next);
+    }
+
+    /// Past the sample point `last`, the one of the next bit being `next`.
+    #[inline]
+    const fn begin_after(&mut self, last: Tick, next: Tick) {
+        self.at.origin = last;
+        self.at.sample = next;
+        let (start, to_sample) = (self.segments().phase_seg2, self.segments().total());
+        self.at.start = start;
+        self.at.to_sample = to_sample;
+    }
+
+    /// Past `bits` (at least 1) sample points, no edge coming in between.
+    #[inline]
+    pub(crate) fn skip(&mut self, bits: u32) {
+        let last = self.bits_after(self.at.sample, bits - 1);
+        let next = self.clock.next(last, &self.segments().bits[1]);
+        self.begin_after(last, next);
+    }
+
+    /// Past all sample points before `limit`, no edge coming in between: calls `sampled` with each
+    /// and returns how many they are.
+    #[inline]
+    pub(crate) fn pass(&mut self, limit: Time, mut sampled: impl FnMut(Time)) -> u32 {
+        let (mut last, mut next, mut count) = (self.at.origin, self.at.sample, 0);
+        while next.time() < limit {
+            sampled(next.time());
+            last = next;
+            next = self.clock.next(next, &self.segments().bits[1]);
+            count += 1;
+        }
+        if count > 0 {
+            self.begin_after(last, next);
+        }
+        count
     }
 
     /// Lets whole bits pass until one starts at or after `time`: the bus was idle.
@@ -197,11 +277,11 @@ impl BitTime {
         }
         let segments = self.segments();
         let (total, sample) = (segments.total(), segments.sample);
-        let gone = self.clock.locate(self.origin, &segments.quantum, time) - self.start;
+        let gone = self.clock.locate(self.at.origin, &segments.quantum, time) - self.at.start;
         // The origin stays behind `time`: an edge may come before the bit starts.
-        self.origin = self.tick(self.start + gone / total * total);
-        self.start = if self.origin.time() < time { total } else { 0 };
-        self.to_sample = self.start + sample;
+        self.at.origin = self.tick(self.at.start + gone / total * total);
+        self.at.start = if self.at.origin.time() < time { total } else { 0 };
+        self.at.to_sample = self.at.start + sample;
         self.place_sample();
     }
 
@@ -211,47 +291,65 @@ impl BitTime {
     pub(crate) fn edge(&mut self, time: Time, rule: SyncRule) -> (SyncOutcome, u64) {
         let segments = self.segments();
         let (sjw, sample) = (segments.sjw, segments.sample);
-        let position = self.clock.locate(self.origin, &segments.quantum, time);
-        let outcome = match (rule, position.cmp(&self.start)) {
+        let position = self.clock.locate(self.at.origin, &segments.quantum, time);
+        let outcome = match (rule, position.cmp(&self.at.start)) {
             (SyncRule::Off, _) | (SyncRule::NegativeOnly, Ordering::Greater) => {
                 SyncOutcome::Ignored
             }
             (SyncRule::Hard, _) => {
-                self.start = position;
-                self.to_sample = position + sample;
+                self.at.start = position;
+                self.at.to_sample = position + sample;
                 self.place_sample();
                 SyncOutcome::Hard
             }
             (_, Ordering::Equal) => SyncOutcome::InSyncSeg,
             (_, Ordering::Greater) => {
-                let error = position - self.start;
+                let error = position - self.at.start;
                 let by = error.min(sjw);
-                self.to_sample += by;
+                self.at.to_sample += by;
                 self.place_sample();
                 SyncOutcome::Lengthened { error: error as u32, by: by as u32 }
             }
             (_, Ordering::Less) => {
-                let error = self.start - position;
+                let error = self.at.start - position;
                 let by = error.min(sjw);
-                self.start -= by;
-                self.to_sample -= by;
+                self.at.start -= by;
+                self.at.to_sample -= by;
                 self.place_sample();
                 SyncOutcome::Shortened { error: error as u32, by: by as u32 }
             }
         };
-        self.last = Some(outcome);
+        self.at.last = Some(outcome);
         (outcome, position)
+    }
+
+    /// A recessive to dominant edge at `time`, at which the node resynchronises, in the first bit
+    /// after a sample point: true, and done, if it is sure to lie in SYNC_SEG.
+    #[inline]
+    pub(crate) fn edge_in_sync_seg(&mut self, time: Time) -> bool {
+        let start = self.start_after(self.at.origin).time().femtoseconds();
+        let since = time.femtoseconds().wrapping_sub(start);
+        let surely = since < self.segments().quantum.femtoseconds();
+        if surely {
+            self.at.last = Some(SyncOutcome::InSyncSeg);
+        }
+        surely
+    }
+
+    /// SJW in quanta.
+    pub(crate) const fn sjw(&self) -> u32 {
+        self.segments().sjw as u32
     }
 
     /// When a change of TXD that waits for the start of the bit takes place, after an edge in
     /// quantum `position`: the edge is seen at the end of its quantum.
     pub(crate) fn change_after_edge(&self, position: u64) -> Time {
-        self.tick(self.start.max(position + 1)).time()
+        self.tick(self.at.start.max(position + 1)).time()
     }
 
     /// What the last edge did.
     pub(crate) const fn last_sync(&self) -> Option<SyncOutcome> {
-        self.last
+        self.at.last
     }
 
     /// `quanta` quanta of the present rate after `time`, for the secondary sample point.

@@ -66,10 +66,21 @@ impl Rxd {
         self.level
     }
 
-    /// Until when [`Rxd::level_at`] returns the same level.
+    /// The next edge to come in: when, and the level after it. One whose time is over comes in at
+    /// once: it was overtaken by a later edge.
     #[inline]
-    pub(crate) fn next_change(&self, log: &EdgeLog) -> Time {
-        self.arrival(log, self.cursor.max(log.oldest())).map_or(Time::NEVER, |(at, _)| at)
+    pub(crate) fn coming(&mut self, log: &EdgeLog) -> (Time, Level) {
+        if self.cursor < log.oldest() {
+            self.skip_forgotten(log);
+        }
+        self.arrival(log, self.cursor).unwrap_or((Time::NEVER, self.level))
+    }
+
+    /// The edge that was coming, to `level`, has come in.
+    #[inline]
+    pub(crate) fn come_in(&mut self, level: Level) {
+        self.level = level;
+        self.cursor += 1;
     }
 
     /// Whether every edge that has left the star point has come in by the last
@@ -77,6 +88,23 @@ impl Rxd {
     #[inline]
     pub(crate) const fn is_settled(&self, log: &EdgeLog) -> bool {
         self.cursor == log.head()
+    }
+
+    /// When edge `number`, at the star point at `at`, comes in.
+    #[inline]
+    pub(crate) fn arrival_of(&self, number: u64, at: Time, to: Level) -> Time {
+        self.transceiver.to_rxd(at, to, self.salt ^ number)
+    }
+
+    /// Whether all edges before edge `number` have come in, and no other one.
+    pub(crate) const fn has_come_to(&self, number: u64) -> bool {
+        self.cursor == number
+    }
+
+    /// All edges before edge `number` have come in; the last one was to `level`.
+    pub(crate) const fn come_to(&mut self, number: u64, level: Level) {
+        self.cursor = number;
+        self.level = level;
     }
 
     /// When the next recessive to dominant edge after the last [`Rxd::level_at`] comes in, of
@@ -88,9 +116,12 @@ impl Rxd {
 
     fn find_dominant(&self, log: &EdgeLog) -> Time {
         let mut number = self.cursor.max(log.oldest());
-        while number < log.head() {
-            let Some((at, to)) = self.arrival(log, number) else { break };
+        let mut latest = Time::ZERO;
+        while let Some((at, to)) = self.arrival(log, number) {
             if to == Level::Dominant {
+                // It does not come in before a pulse that was eaten up before it.
+                let at = at.max(latest);
+                latest = at;
                 match self.arrival(log, number + 1) {
                     Some((end, _)) if end <= at => {}
                     Some(_) | None => return at,

@@ -2,6 +2,7 @@
 
 mod build;
 mod expect;
+mod lss;
 mod model;
 mod run;
 mod stats;

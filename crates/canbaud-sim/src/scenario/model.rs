@@ -144,8 +144,28 @@ pub(super) struct NodeTable {
     pub(super) joins: Option<Duration>,
     pub(super) autobaud: Option<AutobaudTable>,
     pub(super) fallback: Option<FallbackTable>,
+    pub(super) lss: Option<LssTable>,
     #[serde(default)]
     pub(super) reply: Vec<ReplyTable>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LssTable {
+    pub(super) vendor_id: u32,
+    pub(super) product_code: u32,
+    pub(super) revision_number: u32,
+    pub(super) serial_number: u32,
+    /// None: not configured.
+    pub(super) node_id: Option<u8>,
+    #[serde(default = "offered")]
+    pub(super) automatic: bool,
+    pub(super) processing: Option<Duration>,
+    pub(super) reconfiguration: Option<Duration>,
+}
+
+const fn offered() -> bool {
+    true
 }
 
 #[derive(Debug, Clone, Deserialize)]

@@ -7,6 +7,7 @@ use super::stats::Statistics;
 use crate::clock::ClockError;
 use crate::device::{Device, Program};
 use crate::event::{Event, NodeId, Observer};
+use crate::lss_device::LssDevice;
 use crate::node::{FaultConfinement, Mode, NodeConfig};
 use crate::rng::Rng;
 use crate::simulation::Simulation;
@@ -63,6 +64,7 @@ pub struct Run {
     sim: Simulation,
     sources: Vec<Source>,
     devices: Vec<Device>,
+    lss_devices: Vec<LssDevice>,
     glitches: Vec<Glitches>,
     statistics: Statistics,
     /// News of these nodes are kept for the caller.
@@ -85,6 +87,7 @@ impl Run {
             sim: Simulation::new(seed),
             sources: Vec::new(),
             devices: Vec::new(),
+            lss_devices: Vec::new(),
             glitches: Vec::new(),
             held: Vec::new(),
             news: Vec::new(),
@@ -111,6 +114,10 @@ impl Run {
                     id
                 }
             };
+            if let Some(setup) = &member.lss {
+                self.sim.watch(id);
+                self.lss_devices.push(LssDevice::new(id, setup.clone()));
+            }
             if member.program != Program::Fixed || !member.replies.is_empty() {
                 self.sim.watch(id);
                 let (program, replies) = (member.program.clone(), member.replies.clone());
@@ -210,6 +217,12 @@ impl Run {
         &self.statistics
     }
 
+    /// The devices that are configured over the bus.
+    #[must_use]
+    pub fn lss_devices(&self) -> &[LssDevice] {
+        &self.lss_devices
+    }
+
     /// Keeps what happens in `node` for [`Run::take_held_news`].
     pub fn hold_news(&mut self, node: NodeId) {
         self.sim.watch(node);
@@ -225,6 +238,7 @@ impl Run {
         let sources = self.sources.iter().map(Source::next);
         let glitches = self.glitches.iter().map(|glitches| glitches.next);
         let deadlines = self.devices.iter().map(Device::deadline);
+        let deadlines = deadlines.chain(self.lss_devices.iter().map(LssDevice::deadline));
         sources.chain(glitches).chain(deadlines).min().unwrap_or(Time::NEVER)
     }
 
@@ -250,6 +264,9 @@ impl Run {
             for device in self.devices.iter_mut().filter(|device| device.deadline() <= now) {
                 device.lose_patience(now, &mut self.sim);
             }
+            for device in self.lss_devices.iter_mut().filter(|device| device.deadline() <= now) {
+                device.wake(now, &mut self.sim);
+            }
             if now >= until && self.next() > until {
                 return;
             }
@@ -260,6 +277,9 @@ impl Run {
     fn deliver(&mut self) {
         for (at, node, event) in self.sim.take_news() {
             for device in self.devices.iter_mut().filter(|device| device.node() == node) {
+                device.notice(at, &event, &mut self.sim);
+            }
+            for device in self.lss_devices.iter_mut().filter(|device| device.node() == node) {
                 device.notice(at, &event, &mut self.sim);
             }
             if matches!(event, Event::Transmitted { .. }) {
@@ -281,6 +301,14 @@ impl Run {
         self.statistics.close(self.sim.now());
         for (stats, node) in self.statistics.nodes.iter_mut().zip(self.sim.nodes()) {
             stats.state = node.state().to_string();
+        }
+        for device in &self.lss_devices {
+            let stats = &mut self.statistics.nodes[device.node().0];
+            if let Some((at, timing)) = device.found() {
+                let config = self.sim.node(device.node()).config();
+                stats.found_bitrate = Some(bitrate(config, &timing));
+                stats.found_at_s = Some(at.seconds());
+            }
         }
         for device in &self.devices {
             let stats = &mut self.statistics.nodes[device.node().0];

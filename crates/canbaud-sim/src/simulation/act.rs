@@ -76,15 +76,11 @@ impl Simulation {
             }
             Act::Short => {
                 observer.disturbed(now, Disturbance::Shorted);
-                let edge = self.line.short(now);
-                self.allow_late_reading();
-                edge
+                self.line.short(now)
             }
             Act::Unshort => {
                 observer.disturbed(now, Disturbance::Unshorted);
-                let edge = self.line.unshort(now);
-                self.allow_late_reading();
-                edge
+                self.line.unshort(now)
             }
             Act::ForceRxd { node, level } => {
                 observer.disturbed(now, Disturbance::ForcedRxd(node, level));

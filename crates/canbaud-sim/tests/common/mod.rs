@@ -3,7 +3,7 @@
 
 use canbaud::wire::{Frame, FrameKind, Id, Level};
 use canbaud_sim::check::Checker;
-use canbaud_sim::{Event, NodeConfig, NodeId, Observer, Rule, Simulation, Span, Time};
+use canbaud_sim::{Event, NodeConfig, NodeId, Observer, Rng, Rule, Simulation, Span, Time};
 
 /// Everything that happened.
 #[derive(Debug, Default)]
@@ -106,4 +106,27 @@ pub(crate) fn node(name: &str) -> NodeConfig {
 
 pub(crate) fn data(id: u16, bytes: &[u8]) -> Frame {
     Frame::new(Id::Base(id), FrameKind::Data, bytes.len() as u8, bytes).unwrap()
+}
+
+/// A frame of any format and content; `fd` says whether CAN FD ones are among them.
+pub(crate) fn any_frame(rng: &mut Rng, fd: bool) -> Frame {
+    let id = match rng.below(2) {
+        0 => Id::Base(rng.below(0x800) as u16),
+        _ => Id::Extended(rng.below(0x2000_0000) as u32),
+    };
+    let kind = match (fd, rng.below(4)) {
+        (true, n) => FrameKind::Fd { brs: n % 2 == 0, esi: n > 2 },
+        (false, 0) => FrameKind::Remote,
+        (false, _) => FrameKind::Data,
+    };
+    let dlc = rng.below(16) as u8;
+    let style = rng.below(4);
+    let bytes: Vec<u8> = (0..Frame::data_length(kind, dlc))
+        .map(|_| match style {
+            0 => 0,
+            1 => 0xFF,
+            _ => rng.bits() as u8,
+        })
+        .collect();
+    Frame::new(id, kind, dlc, &bytes).unwrap()
 }

@@ -4,8 +4,8 @@ use super::active::{Active, Leave, Trust};
 use super::led::{Leds, Pattern};
 use super::nmt::{NmtCommand, NmtState};
 use super::recovering::Recovering;
-use super::search::{Fit, Search, Wish};
-use super::settings::{Settings, SettingsError, Silence};
+use super::search::{Search, Wish};
+use super::settings::{Means, Settings, SettingsError, Silence, Startup};
 use super::signal::{Action, Input, Sending};
 use crate::detect::scan::{Candidate, Candidates, FrameSeen, Observation, Origin};
 use crate::lss::RateSetting;
@@ -204,9 +204,15 @@ impl<const N: usize, const R: usize> Node<N, R> {
     }
 
     fn recover(&mut self, candidate: Candidate) {
-        self.phase = Phase::Recovering(Recovering::new(candidate));
         self.break_at = None;
-        self.want(Mode::Listening(candidate));
+        let (recovering, mode) = match self.settings.means {
+            Means::Timer(timebase) => (Recovering::by_timer(candidate, timebase), Mode::Off),
+            Means::Controller(_) | Means::Both(_) => {
+                (Recovering::new(candidate), Mode::Listening(candidate))
+            }
+        };
+        self.phase = Phase::Recovering(recovering);
+        self.want(mode);
     }
 
     /// Has the controller set up anew, even if it is so already.
@@ -233,18 +239,23 @@ impl<const N: usize, const R: usize> Node<N, R> {
         self.break_at = Some(now + doubled);
     }
 
-    /// An edge of RXD: the timer was at `ticks`, the line is at `level` from now on.
+    /// An edge of RXD (high is recessive): the timer was at `ticks`, the line is at `level` from now
+    /// on. To be told while the stage is [`Stage::Detecting`] or [`Stage::Recovering`].
     pub fn edge(&mut self, ticks: u64, level: Logic) {
-        if let Phase::Silent(_) = self.phase {
-            self.search.edge(ticks, level);
+        match &mut self.phase {
+            Phase::Silent(_) => self.search.edge(ticks, level),
+            Phase::Recovering(recovering) => recovering.line(ticks, level),
+            Phase::Active(_) => {}
         }
     }
 
     /// The timer stands at `ticks` and the line is at `level`: to be told at every wake-up by a
     /// device with a timer, so that the end of the last frame is noticed.
     pub fn timer(&mut self, ticks: u64, level: Logic) {
-        if let Phase::Silent(_) = self.phase {
-            self.search.timer(ticks, level);
+        match &mut self.phase {
+            Phase::Silent(_) => self.search.timer(ticks, level),
+            Phase::Recovering(recovering) => recovering.line(ticks, level),
+            Phase::Active(_) => {}
         }
     }
 
@@ -331,6 +342,10 @@ impl<const N: usize, const R: usize> Node<N, R> {
 
     /// Time passes.
     fn go_on(&mut self, now: Micros) {
+        if let Phase::Active(active) = &self.phase {
+            let leave = active.leave(now, &self.settings);
+            self.leave(now, leave);
+        }
         match &mut self.phase {
             Phase::Silent(after) => {
                 let after = *after;
@@ -338,30 +353,35 @@ impl<const N: usize, const R: usize> Node<N, R> {
                     self.plan_break(now);
                 }
                 match self.search.poll(now) {
-                    Some(fit) => self.fit(fit, after),
+                    Some(candidate) => self.fit(candidate, after),
                     None => self.follow_search(now),
                 }
             }
             Phase::Recovering(recovering) => {
                 if recovering.is_complete(now) {
                     let candidate = recovering.candidate;
-                    self.take_part(candidate, Trust::Sure);
+                    let trust = self.trust();
+                    self.take_part(candidate, trust);
+                } else {
+                    recovering.look(now);
                 }
             }
-            Phase::Active(active) => {
-                let leave = active.leave(now, &self.settings);
-                self.leave(now, leave);
-            }
+            Phase::Active(_) => {}
         }
     }
 
-    fn fit(&mut self, fit: Fit, after: After) {
-        match (after, fit.confirmed) {
-            (After::BusOff, true) => self.recover(fit.candidate),
-            (After::Other, true) => self.take_part(fit.candidate, Trust::Sure),
-            // Without bus monitoring there is no silent way to count: a new start of the
-            // controller is one as after power-on.
-            (_, false) => self.take_part(fit.candidate, Trust::OnTrial),
+    /// How sure a rate is that was detected, or kept: a timer alone is on trial.
+    const fn trust(&self) -> Trust {
+        match (self.settings.means, self.settings.startup) {
+            (Means::Timer(_), Startup::Slave) => Trust::OnTrial,
+            _ => Trust::Sure,
+        }
+    }
+
+    fn fit(&mut self, candidate: Candidate, after: After) {
+        match after {
+            After::BusOff => self.recover(candidate),
+            After::Other => self.take_part(candidate, self.trust()),
         }
     }
 

@@ -3,16 +3,32 @@
 //! The controller listens meanwhile, so that it hears whether its rate still fits, and software
 //! sees no single bits. It counts what is certain: each accepted frame ends with 11 recessive bits
 //! (ACK delimiter, EOF, intermission), and the time without frames is recessive but for the length
-//! of one frame that may just be under way.
+//! of one frame that may just be under way. A device whose controller cannot listen counts with its
+//! timer how long the line is recessive.
 
 use crate::detect::scan::Candidate;
 use crate::fault::{RECOVERY_BITS, RECOVERY_OCCURRENCES, Recovery};
-use crate::units::Micros;
+use crate::units::{Micros, Timebase};
+use crate::wire::Logic;
 
 /// The longest classic frame, every bit stuffed, with its intermission; or an error frame.
 const FRAME_BITS: u64 = 163;
 /// Errors in a row, without a frame, after which the rate does not fit any more.
 const ERRORS_MAX: u32 = 8;
+
+/// How often a device that counts with its timer looks whether it is done.
+const LOOK: Micros = Micros::from_ms(2);
+
+/// The timer's view of the line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Line {
+    timebase: Timebase,
+    /// The last edge, or the last look; `None` before the first.
+    last: Option<(u64, Logic)>,
+    /// Bits of the recessive run under way that were counted.
+    counted: u32,
+    look_at: Option<Micros>,
+}
 
 /// A wait for the end of bus-off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,11 +38,50 @@ pub(super) struct Recovering {
     /// Bits are counted up to here; the controller listens from here on.
     since: Option<Micros>,
     errors: u32,
+    /// Of a device that counts with its timer.
+    line: Option<Line>,
 }
 
 impl Recovering {
     pub(super) const fn new(candidate: Candidate) -> Self {
-        Self { candidate, recovery: Recovery::new(), since: None, errors: 0 }
+        Self { candidate, recovery: Recovery::new(), since: None, errors: 0, line: None }
+    }
+
+    /// For a device whose controller cannot listen.
+    pub(super) const fn by_timer(candidate: Candidate, timebase: Timebase) -> Self {
+        let line = Line { timebase, last: None, counted: 0, look_at: None };
+        Self { line: Some(line), ..Self::new(candidate) }
+    }
+
+    /// The line was at one level up to `ticks`, and is at `level` from then on.
+    pub(super) fn line(&mut self, ticks: u64, level: Logic) {
+        let rate = u128::from(self.candidate.nominal.bits_per_second());
+        let Some(line) = &mut self.line else { return };
+        if let Some((since, Logic::High)) = line.last {
+            let run = u128::from(ticks.saturating_sub(since));
+            let bits = run
+                .saturating_mul(rate * u128::from(line.timebase.seconds()))
+                .checked_div(u128::from(line.timebase.ticks()));
+            let bits = bits.map_or(0, |bits| u32::try_from(bits).unwrap_or(u32::MAX));
+            self.recovery.recessive(bits.saturating_sub(line.counted));
+            line.counted = bits.max(line.counted);
+        }
+        if line.last.is_none_or(|(_, before)| before != level) {
+            if level == Logic::Low {
+                self.recovery.dominant();
+            }
+            line.last = Some((ticks, level));
+            line.counted = 0;
+        }
+    }
+
+    /// Plans the next look of a device that counts with its timer.
+    pub(super) fn look(&mut self, now: Micros) {
+        if let Some(line) = &mut self.line
+            && line.look_at.is_none_or(|at| at <= now)
+        {
+            line.look_at = Some(now + LOOK);
+        }
     }
 
     /// The controller listens.
@@ -71,6 +126,9 @@ impl Recovering {
 
     /// When bus-off is over if nothing more is heard.
     pub(super) fn deadline(&self) -> Option<Micros> {
+        if let Some(line) = &self.line {
+            return line.look_at;
+        }
         let left = RECOVERY_OCCURRENCES - self.recovery.occurrences();
         let bits = u64::from(left) * u64::from(RECOVERY_BITS) + FRAME_BITS;
         // One microsecond more: the other way it is rounded down.
@@ -108,6 +166,33 @@ mod tests {
             wait.frame(Micros(1000 + frame * 520));
         }
         assert!(wait.is_complete(Micros(1000 + 128 * 520)));
+    }
+
+    #[test]
+    fn the_timer_counts_recessive_bits_one_by_one() {
+        let timer = Timebase::new(8_000_000, 1).unwrap();
+        let candidate = Candidate::classic(Bitrate::new(250_000).unwrap());
+        let mut wait = Recovering::by_timer(candidate, timer);
+        // 32 ticks a bit.
+        wait.line(0, Logic::High);
+        let mut ticks = 0;
+        for occurrence in 1..=127 {
+            // Ten bits are none, eleven are one.
+            for bits in [10, 11] {
+                ticks += 32 * bits;
+                wait.line(ticks, Logic::Low);
+                ticks += 32;
+                wait.line(ticks, Logic::High);
+            }
+            assert_eq!(wait.recovery.occurrences(), occurrence);
+        }
+        // Looking twice counts nothing twice.
+        for bits in 1..11 {
+            wait.line(ticks + 32 * bits, Logic::High);
+            assert!(!wait.is_complete(Micros(0)), "{bits}");
+        }
+        wait.line(ticks + 32 * 11, Logic::High);
+        assert!(wait.is_complete(Micros(0)));
     }
 
     #[test]

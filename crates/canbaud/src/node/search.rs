@@ -3,7 +3,7 @@
 use super::measure::{Measure, Measured};
 use super::settings::{Means, Settings};
 use crate::detect::scan::{
-    Action as ScanAction, Candidate, Candidates, Configured, End, ErrorClass, ErrorPlace,
+    Action as ScanAction, Candidate, Candidates, Capabilities, Configured, ErrorClass, ErrorPlace,
     ErrorSeen, FrameSeen, Observation, Origin, Outcome, Scan, Settings as ScanSettings,
 };
 use crate::units::{Bitrate, Micros};
@@ -19,15 +19,6 @@ pub(super) enum Wish {
     Stop,
     /// To listen.
     Listen(Candidate),
-}
-
-/// What a search has found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Fit {
-    /// The rate.
-    pub(super) candidate: Candidate,
-    /// Whether the controller itself has received something at it.
-    pub(super) confirmed: bool,
 }
 
 /// What the controller said about the rate at which it listens.
@@ -64,7 +55,12 @@ enum Method<const N: usize, const R: usize> {
         told: bool,
     },
     /// The controller listens at one rate after the other.
-    Scan { scan: Scan<R>, wish: Option<Wish> },
+    Scan {
+        scan: Scan<R>,
+        candidates: Candidates<R>,
+        capabilities: Capabilities<'static>,
+        wish: Option<Wish>,
+    },
 }
 
 /// A search under way.
@@ -91,12 +87,13 @@ impl<const N: usize, const R: usize> Search<N, R> {
             Means::Controller(capabilities) => {
                 // The list was checked to fit when the node was made.
                 let candidates = Candidates::of_rates(settings.rates).unwrap_or_default();
-                let settings = ScanSettings {
-                    last_known: Some(first),
-                    end: End::Never,
-                    ..ScanSettings::default()
-                };
-                Method::Scan { scan: Scan::new(&candidates, &capabilities, settings), wish: None }
+                let settings = ScanSettings { last_known: Some(first), ..ScanSettings::default() };
+                Method::Scan {
+                    scan: Scan::new(&candidates, &capabilities, settings),
+                    candidates,
+                    capabilities,
+                    wish: None,
+                }
             }
         };
         Self { method, rates: settings.rates, sign: false, measured: Measured::Nothing }
@@ -191,7 +188,7 @@ impl<const N: usize, const R: usize> Search<N, R> {
                 }
                 Observation::Error(error) if is_unacknowledged(error) => confirmation.seen = true,
                 // AP2925: on an error, measure again.
-                Observation::Error(_) if self.measured != Measured::Nothing => {
+                Observation::Error(_) if matches!(self.measured, Measured::Rate { .. }) => {
                     measure.restart();
                     self.measured = Measured::Nothing;
                     *confirmation = Confirmation::default();
@@ -202,12 +199,12 @@ impl<const N: usize, const R: usize> Search<N, R> {
     }
 
     /// Goes on; a fit is told once.
-    pub(super) fn poll(&mut self, now: Micros) -> Option<Fit> {
+    pub(super) fn poll(&mut self, now: Micros) -> Option<Candidate> {
         match &mut self.method {
             Method::Measure(measure) => {
                 self.measured = measure.poll(now, self.rates).unwrap_or(self.measured);
                 let Measured::Rate { rate, certain: true } = self.measured else { return None };
-                Some(Fit { candidate: Candidate::classic(rate), confirmed: false })
+                Some(Candidate::classic(rate))
             }
             Method::MeasureAndListen { measure, listening, confirmation, told } => {
                 self.measured = measure.poll(now, self.rates).unwrap_or(self.measured);
@@ -222,9 +219,9 @@ impl<const N: usize, const R: usize> Search<N, R> {
                     Measured::Nothing => confirmation.distinct >= FRAMES_WITHOUT_MEASUREMENT,
                     Measured::Foreign => false,
                 };
-                fits.then_some(Fit { candidate: *listening, confirmed: true })
+                fits.then_some(*listening)
             }
-            Method::Scan { scan, wish } => {
+            Method::Scan { scan, candidates, capabilities, wish } => {
                 while let Some(action) = scan.poll(now) {
                     *wish = Some(match action {
                         ScanAction::Listen(candidate) => Wish::Listen(candidate),
@@ -232,10 +229,14 @@ impl<const N: usize, const R: usize> Search<N, R> {
                     });
                 }
                 match scan.outcome() {
-                    Some(Outcome::Found(found)) => {
-                        Some(Fit { candidate: found.candidate, confirmed: true })
+                    Some(Outcome::Found(found)) => Some(found.candidate),
+                    // At its bound: what was heard meanwhile fits nothing, perhaps because the rate
+                    // has changed. It begins anew, without a memory.
+                    Some(_) => {
+                        *scan = Scan::new(candidates, capabilities, ScanSettings::default());
+                        None
                     }
-                    _ => None,
+                    None => None,
                 }
             }
         }

@@ -65,7 +65,7 @@ impl<'a> Attributes<'a> {
     /// The first one of `kind`.
     #[must_use]
     pub fn find(mut self, kind: u16) -> Option<Attribute<'a>> {
-        self.find_map(|attribute| (attribute.kind == kind).then_some(attribute))
+        Iterator::find(&mut self, |attribute| attribute.kind == kind)
     }
 }
 

@@ -73,17 +73,6 @@ pub(super) enum State {
     },
 }
 
-/// Bits of which nothing can come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Quiet {
-    /// So many, whatever their levels.
-    Anyway(u32),
-    /// So many, as long as no edge to dominant comes.
-    WhileRecessive(u32),
-    /// So many, as long as the node's own dominant level holds the line.
-    WhileDominant(u32),
-}
-
 /// The settings that protocol control needs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Setup {
@@ -172,61 +161,6 @@ impl Protocol {
     #[inline]
     pub(crate) const fn rate(&self) -> Rate {
         self.rate
-    }
-
-    /// How many bits may be read late, because nothing can come of them: no flag, no event.
-    #[inline]
-    pub(crate) fn quiet(&self) -> Quiet {
-        match self.state {
-            State::Frame => match &self.sending {
-                None => Quiet::Anyway(self.reader.quiet_bits()),
-                Some(sending) => self.quiet_sending(sending),
-            },
-            // EOF of a receiver has an event at bit 6, that of the transmitter one at bit 7.
-            State::EndOfFrame { bit: bit @ ..=5 } if self.sending.is_none() => {
-                Quiet::WhileRecessive(6 - u32::from(bit))
-            }
-            State::EndOfFrame { bit: 7 } if self.sending.is_none() => Quiet::WhileRecessive(3),
-            State::EndOfFrame { bit } if self.sending.is_some() => {
-                Quiet::WhileRecessive(7 - u32::from(bit))
-            }
-            State::Intermission { bit } => Quiet::WhileRecessive(3 - u32::from(bit)),
-            State::Delimiter { recessive } => Quiet::WhileRecessive(10 - u32::from(recessive)),
-            State::Suspend { bit } => Quiet::WhileRecessive(8 - u32::from(bit)),
-            State::Integrating { recessive } | State::BusOff { recessive, .. } => {
-                Quiet::WhileRecessive(10 - u32::from(recessive))
-            }
-            _ => Quiet::Anyway(0),
-        }
-    }
-
-    /// Past the arbitration, bits of the level that is driven already.
-    #[inline]
-    fn quiet_sending(&self, sending: &Sending) -> Quiet {
-        if self.rate == Rate::Data || self.reader.place() == Place::Arbitration {
-            return Quiet::Anyway(0);
-        }
-        let bits = sending.same_level_ahead().min(self.reader.quiet_bits());
-        match sending.level() {
-            Level::Recessive => Quiet::WhileRecessive(bits),
-            Level::Dominant => Quiet::WhileDominant(bits),
-        }
-    }
-
-    /// Takes one of the bits that [`Protocol::quiet`] promised.
-    #[inline]
-    pub(crate) fn read_quiet(&mut self, level: Level) {
-        if matches!(self.state, State::Frame) {
-            let step = self.reader.push(level);
-            debug_assert_eq!(step, super::reader::Step::Continue);
-            if let Some(sending) = &mut self.sending {
-                debug_assert_eq!(sending.level(), level);
-                self.drive = sending.advance();
-            }
-        } else {
-            self.sample(level, None);
-            debug_assert!(self.events.is_empty() && self.drive == Level::Recessive);
-        }
     }
 
     /// Whether nothing happens without an edge or a request.

@@ -2,7 +2,7 @@
 
 use canbaud::wire::{FdCrc, Frame, FrameKind, Id, Level};
 
-use super::crc::RunningCrc;
+use super::crc::{RUN, RunningCrc, ones_if};
 use crate::event::{ErrorKind, Place};
 use crate::node::config::FdSupport;
 
@@ -50,10 +50,12 @@ pub(super) enum Step {
 }
 
 /// The part of a frame that has been read.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Reader {
     support: FdSupport,
     fd_crc: FdCrc,
+    /// Bits read, with SOF and stuff bits.
+    bits: u32,
     field: Field,
     /// Bits of the field that are still to come.
     left: u32,
@@ -82,6 +84,7 @@ impl Reader {
         Self {
             support,
             fd_crc,
+            bits: 0,
             field: Field::Sof,
             left: 1,
             value: 0,
@@ -106,26 +109,17 @@ impl Reader {
 
     /// Begins anew, before SOF.
     pub(super) fn reset(&mut self) {
-        self.field = Field::Sof;
-        self.left = 1;
-        self.value = 0;
-        self.last = Level::Recessive;
-        self.run = 0;
-        self.stuff_bits = 0;
-        self.crc = RunningCrc::new(self.fd_crc);
-        self.crc_good = true;
-        self.extended = false;
-        self.remote = false;
-        self.fd = false;
-        self.brs = false;
-        self.esi = false;
-        self.length = 0;
-        self.filled = 0;
+        *self = Self::new(self.support, self.fd_crc);
+    }
+
+    /// Bits read, with SOF and stuff bits.
+    pub(super) const fn bits(&self) -> u32 {
+        self.bits
     }
 
     /// Whether the next bit is one of dynamic stuffing.
     pub(super) fn stuff_bit_is_due(&self) -> bool {
-        self.run == 5 && !self.in_fd_crc()
+        self.run == RUN && !self.in_fd_crc()
     }
 
     fn in_fd_crc(&self) -> bool {
@@ -148,6 +142,14 @@ impl Reader {
         self.field == Field::Res
     }
 
+    /// Whether the next bit of a CAN FD frame comes after res.
+    pub(super) const fn is_past_res(&self) -> bool {
+        matches!(
+            self.field,
+            Field::Brs | Field::Esi | Field::Dlc | Field::Data | Field::StuffCount | Field::Crc
+        )
+    }
+
     pub(super) const fn is_fd(&self) -> bool {
         self.fd
     }
@@ -160,7 +162,7 @@ impl Reader {
     /// whatever their levels.
     #[inline]
     pub(super) fn quiet_bits(&self) -> u32 {
-        let before_stuff_error = 5_u32.saturating_sub(self.run);
+        let before_stuff_error = RUN.saturating_sub(self.run);
         match self.field {
             Field::BaseId | Field::ExtendedId => before_stuff_error.min(self.left - 1),
             // The CRC field of CAN FD may begin right after, with a fixed stuff bit.
@@ -218,31 +220,56 @@ impl Reader {
     /// Takes the next bit.
     #[inline]
     pub(super) fn push(&mut self, level: Level) -> Step {
-        if self.in_fd_crc() {
-            return self.push_fd_crc(level);
-        }
-        if self.run == 5 {
-            if level == self.last {
-                return Step::Error(ErrorKind::Stuff, self.place());
-            }
-            self.last = level;
-            self.run = 1;
-            self.stuff_bits += 1;
-            self.crc.push_stuff_bit(level);
-            return if self.field == Field::LastStuff { Step::End } else { Step::Continue };
-        }
-        self.run = if level == self.last { self.run + 1 } else { 1 };
-        self.last = level;
-        if self.field != Field::Crc {
-            self.crc.push(level);
-        }
-        self.take(level)
+        self.push_run(level, 1).1
     }
 
+    /// Takes up to `bits` bits of one level, as long as nothing but [`Step::Continue`] comes of
+    /// them. Returns how many did, and what came of the one after them, which is taken, too.
     #[inline]
-    fn take(&mut self, level: Level) -> Step {
-        self.value = (self.value << 1) | u32::from(level == Level::Recessive);
-        self.left -= 1;
+    pub(super) fn push_run(&mut self, level: Level, bits: u32) -> (u32, Step) {
+        let mut done = 0;
+        while done < bits {
+            let (step, count) = if self.in_fd_crc() {
+                (self.push_fd_crc(level), 1)
+            } else if self.run == RUN {
+                (self.push_stuff_bit(level), 1)
+            } else {
+                let run = if level == self.last { self.run } else { 0 };
+                let count = (bits - done).min(RUN - run).min(self.left);
+                self.run = run + count;
+                self.last = level;
+                if self.field != Field::Crc {
+                    self.crc.push_run(level, count);
+                }
+                (self.take(level, count), count)
+            };
+            done += count;
+            self.bits += count;
+            if step != Step::Continue {
+                return (done - 1, step);
+            }
+        }
+        (bits, Step::Continue)
+    }
+
+    /// The bit after five equal ones.
+    #[inline]
+    fn push_stuff_bit(&mut self, level: Level) -> Step {
+        if level == self.last {
+            return Step::Error(ErrorKind::Stuff, self.place());
+        }
+        self.last = level;
+        self.run = 1;
+        self.stuff_bits += 1;
+        self.crc.push_stuff_bit(level);
+        if self.field == Field::LastStuff { Step::End } else { Step::Continue }
+    }
+
+    /// Takes bits of one level that are no stuff bits, at most those that the field has left.
+    #[inline]
+    fn take(&mut self, level: Level, count: u32) -> Step {
+        self.value = (self.value << count) | ones_if(level, count);
+        self.left -= count;
         if self.left > 0 { Step::Continue } else { self.finish() }
     }
 
@@ -307,7 +334,7 @@ impl Reader {
             }
             Field::Crc => {
                 self.crc_good &= value == self.crc.value();
-                if self.fd || self.run < 5 {
+                if self.fd || self.run < RUN {
                     return Step::End;
                 }
                 self.go(Field::LastStuff, 1)
@@ -367,8 +394,8 @@ impl Reader {
         self.until_fixed -= 1;
         self.last = level;
         if self.field == Field::StuffCount {
-            self.crc.push(level);
+            self.crc.push_run(level, 1);
         }
-        self.take(level)
+        self.take(level, 1)
     }
 }

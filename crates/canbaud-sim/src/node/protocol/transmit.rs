@@ -1,6 +1,6 @@
 //! Requests and the frame that is being sent.
 
-use canbaud::wire::{EncodedFrame, Frame, FrameKind, Level, encode};
+use canbaud::wire::{BitString, EncodedFrame, Frame, FrameKind, Level, encode};
 
 use super::machine::{Protocol, Request, State};
 use crate::event::{Event, FaultState, Role, Rule};
@@ -28,20 +28,39 @@ impl Sending {
         self.level()
     }
 
-    /// How many bits after the present one have its level.
+    /// The level of bit `index`, and how many equal bits it begins (up to 32).
     #[inline]
-    pub(super) fn same_level_ahead(&self) -> u32 {
-        // Up to six bits: stuffing allows no longer run, and longer ones may as well be split.
-        let ahead = self.encoded.bits.bits(self.index, 7) ^ self.flip();
-        (ahead << 25).leading_zeros().saturating_sub(1).min(6)
+    pub(super) fn run_from(&self, index: usize) -> (Level, u32) {
+        let ahead = self.encoded.bits.bits(index, 32);
+        if ahead >> 31 == 1 {
+            (Level::Recessive, ahead.leading_ones())
+        } else {
+            (Level::Dominant, ahead.leading_zeros())
+        }
     }
 
-    /// All ones if the present bit is recessive.
-    fn flip(&self) -> u32 {
-        match self.level() {
-            Level::Recessive => 0x7F,
-            Level::Dominant => 0,
-        }
+    pub(super) const fn bits(&self) -> &BitString {
+        &self.encoded.bits
+    }
+
+    pub(super) const fn bits_before_crc_delimiter(&self) -> u32 {
+        self.encoded.crc_delimiter.saturating_sub(self.index) as u32
+    }
+
+    /// Whether the rate changes in the frame.
+    pub(super) const fn switches_rate(&self) -> bool {
+        self.encoded.brs.is_some()
+    }
+
+    /// The level `bits` bits after the present one.
+    pub(super) fn level_ahead(&self, bits: u32) -> Level {
+        self.encoded.bits.level(self.index + bits as usize)
+    }
+
+    /// Goes on to bit `index`, which is not SOF; returns the level of the one before it.
+    pub(super) fn go_to(&mut self, index: usize) -> Level {
+        self.index = index;
+        self.encoded.bits.level(index.saturating_sub(1))
     }
 
     pub(super) const fn index(&self) -> u32 {

@@ -109,7 +109,7 @@ impl<const N: usize> PulseDetector<N> {
             (Some(leader), Some(rival)) if rival.is_beyond_accident() => {
                 match leader.apart_from(rival) {
                     Some((phase, first, second)) => Verdict::Conflict { phase, first, second },
-                    None => Verdict::Undecided(Need::AnotherFrame),
+                    None => leader.verdict(),
                 }
             }
             (Some(leader), Some(_)) if leader.proven == 1 => Verdict::Undecided(Need::AnotherFrame),
@@ -325,15 +325,16 @@ impl Rate {
         self.proof_bits >= RIVAL_BITS_MIN || self.proven >= RIVAL_FRAMES_MIN
     }
 
-    /// The bit times in which two rates differ: the nominal ones, or else those of the data phase.
+    /// The bit times in which two rates differ: the nominal ones, or else those of the data phase;
+    /// `None` if they differ in neither, as far as was measured. A first frame with few ticks a
+    /// bit may begin a rate of its own, and the next ones show that it is the same.
     fn apart_from(&self, other: &Self) -> Option<(Phase, BitTime, BitTime)> {
-        let nominal = (self.nominal.bit_time()?, other.nominal.bit_time()?);
-        let near = nominal.0.ticks_q20.abs_diff(nominal.1.ticks_q20)
-            <= nominal.0.ticks_q20 >> SAME_RATE_SHIFT;
-        match (near, self.data.bit_time(), other.data.bit_time()) {
-            (true, Some(first), Some(second)) => Some((Phase::Data, first, second)),
-            _ => Some((Phase::Nominal, nominal.0, nominal.1)),
+        let (first, second) = (self.nominal.bit_time()?, other.nominal.bit_time()?);
+        if self.polarity != other.polarity || !may_be_one(first, second) {
+            return Some((Phase::Nominal, first, second));
         }
+        let (first, second) = (self.data.bit_time()?, other.data.bit_time()?);
+        (!may_be_one(first, second)).then_some((Phase::Data, first, second))
     }
 
     /// Reads the next frame at the bit times measured so far.
@@ -397,6 +398,18 @@ impl Rate {
     }
 }
 
+/// Whether two measurements may be of one bit time: nearly equal, or no further apart than four
+/// standard deviations.
+fn may_be_one(first: BitTime, second: BitTime) -> bool {
+    let apart = first.ticks_q20.abs_diff(second.ticks_q20);
+    if apart <= first.ticks_q20 >> SAME_RATE_SHIFT {
+        return true;
+    }
+    let apart_ppb = u128::from(apart) * 1_000_000_000 / u128::from(first.ticks_q20.max(1));
+    let variance = |bit: BitTime| u128::from(bit.uncertainty_ppb) * u128::from(bit.uncertainty_ppb);
+    apart_ppb.saturating_pow(2) <= 16 * (variance(first) + variance(second))
+}
+
 /// Bits of a frame that check the rest of it.
 fn crc_bits(proof: &Proof) -> u32 {
     let data = proof.received.frame.data().len();
@@ -416,4 +429,27 @@ fn hash(frame: &Frame) -> u32 {
     head.chain(core::iter::once(frame.dlc()))
         .chain(frame.data().iter().copied())
         .fold(0x811C_9DC5, |hash: u32, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one(first: (u64, u32), second: (u64, u32)) -> bool {
+        let bit = |(ticks_q20, uncertainty_ppb)| BitTime { ticks_q20, uncertainty_ppb };
+        may_be_one(bit(first), bit(second))
+    }
+
+    #[test]
+    fn bit_times_are_two_when_they_differ_by_more_than_their_uncertainty() {
+        // 1 % apart is one rate, however well it was measured.
+        assert!(one((1_000_000, 0), (1_010_000, 0)));
+        // 2 % apart at 0.1 % are two.
+        assert!(!one((1_000_000, 1_000_000), (1_020_000, 1_000_000)));
+        // 1.7 % apart, at 0.6 %: one; at 0.3 %: two.
+        assert!(one((2_104_290, 1_121_518), (2_140_496, 5_777_632)));
+        assert!(!one((2_104_290, 1_121_518), (2_140_496, 3_000_000)));
+        assert!(!one((1, 0), (u64::MAX, u32::MAX)));
+        assert!(one((0, 0), (0, 0)));
+    }
 }

@@ -31,7 +31,7 @@ pub(super) fn total(
         let listening = match settings.policy {
             Policy::Koppe => return None,
             Policy::FixedDwell => settings.dwell,
-            Policy::Weighing => patience(candidate, settings),
+            Policy::Weighing | Policy::Survey => patience(candidate, settings),
         };
         Some(switching(capabilities) + listening)
     };

@@ -14,10 +14,14 @@ pub(super) struct Burst {
     pub(super) in_arbitration: bool,
     /// They were seen in a counter only: how many there were is not known exactly.
     pub(super) counted: bool,
+    /// That counter has gone as far as it goes: more of them may have followed.
+    pub(super) saturated: bool,
+    /// How long nothing was heard before the first.
+    pub(super) pause: Micros,
 }
 
 impl Burst {
-    pub(super) const fn new(at: Micros) -> Self {
+    pub(super) const fn new(at: Micros, pause: Micros) -> Self {
         Self {
             first: at,
             last: at,
@@ -25,13 +29,15 @@ impl Burst {
             closest: Micros::MAX,
             in_arbitration: false,
             counted: false,
+            saturated: false,
+            pause,
         }
     }
 
     pub(super) fn add(&mut self, at: Micros) {
         // What came before was the end of another frame.
         if self.count == 2 && at - self.last > self.span().times(10) {
-            *self = Self::new(at);
+            *self = Self::new(at, at - self.last);
             return;
         }
         // Time stamps may come out of order; such a pair has no distance.
@@ -53,6 +59,11 @@ impl Burst {
     /// its bits. Where they can be nearer, observations were told in a batch.
     pub(super) fn is_faithful(&self, rate: Bitrate) -> bool {
         self.closest + Micros(1) >= Micros::of_bits(7, rate)
+    }
+
+    /// Whether it stands by itself: one frame, not several without a pause.
+    pub(super) fn is_single(&self) -> bool {
+        self.pause >= self.span().times(2)
     }
 
     /// Whether the errors are as far apart as frames.

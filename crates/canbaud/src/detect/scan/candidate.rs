@@ -12,6 +12,18 @@ pub enum Capture {
     Wide,
 }
 
+impl Capture {
+    /// How far the bus may be from the receiver's rate and still be read, in thousandths, at most
+    /// (`docs/scan.md`); it depends on sample point and SJW.
+    #[must_use]
+    pub const fn reach_permille(self) -> u16 {
+        match self {
+            Self::Usual => 35,
+            Self::Wide => 60,
+        }
+    }
+}
+
 /// What to set the controller to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Candidate {

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{Candidate, Capture, RateChoice};
+use super::{Candidate, Capture, Found, RateChoice};
 use crate::rates;
 use crate::units::Bitrate;
 
@@ -149,6 +149,17 @@ impl<const N: usize> Candidates<N> {
             }
             rate = (rate * SWEEP_PERMILLE / 1000).max(rate + 1);
         }
+    }
+
+    /// What [`Policy::Survey`](super::Policy::Survey) listens at to know a rate more exactly that a
+    /// sweep has found: the rates around it in steps of 1 %, with the usual bit timing.
+    ///
+    /// # Errors
+    /// [`TooMany`] if there is no room; 17 are enough.
+    pub fn around(found: &Found) -> Result<Self, TooMany> {
+        let middle = u64::from(found.nominal().bits_per_second());
+        let rate = |percent: u64| Bitrate::new(u32::try_from(middle * percent / 100).ok()?);
+        Self::of((92..=108).filter_map(rate))
     }
 
     /// Each nominal rate with each of these data rates that is above it.

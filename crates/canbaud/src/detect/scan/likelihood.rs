@@ -48,12 +48,12 @@ pub(super) fn explain(burst: &Burst, listened_at: Bitrate, rate: Bitrate, slack:
         _ if burst.is_faithful(listened_at) => {
             let exactly = (burst.span(), burst.span());
             -density_penalty(burst, receiver, bus, exactly)
-                - span_penalty(bus, exactly)
+                - span_penalty(burst, bus, exactly)
                 - closest_penalty(burst, receiver, bus)
         }
         _ => {
             let about = (burst.span() - slack, burst.span() + slack);
-            -density_penalty(burst, receiver, bus, about) - span_penalty(bus, about)
+            -density_penalty(burst, receiver, bus, about) - span_penalty(burst, bus, about)
         }
     }
 }
@@ -63,9 +63,10 @@ fn too_slow(burst: &Burst, listened_at: Bitrate) -> i32 {
         1 => 0,
         // One in each frame of a loaded bus.
         _ if burst.is_sparse(listened_at) => -BIT,
-        2 | 3 => -2 * BIT,
         // On a loaded bus it does not find back, and takes one delimiter after the other amiss.
-        _ => -3 * BIT,
+        _ if !burst.is_single() => -BIT / 2,
+        2 | 3 => -2 * BIT,
+        _ => -4 * BIT,
     }
 }
 
@@ -95,12 +96,15 @@ fn density_penalty(burst: &Burst, receiver: u32, bus: u32, (least, most): (Micro
 }
 
 /// How long the burst is, between these: most of a frame.
-fn span_penalty(bus: u32, (least, most): (Micros, Micros)) -> i32 {
+fn span_penalty(burst: &Burst, bus: u32, (least, most): (Micros, Micros)) -> i32 {
     // 70 bits; beyond 125 there was more than one frame.
     const USUAL: i32 = 98;
     const LONG: i32 = 111;
     if bits_of(least, bus) > LONG {
-        return 3 * BIT / 2;
+        return if burst.is_single() { 5 * BIT } else { 3 * BIT / 2 };
+    }
+    if burst.saturated {
+        return 0;
     }
     let short = (USUAL - bits_of(most, bus)).clamp(0, 64);
     (short * short * 5 / 32).min(WORST)

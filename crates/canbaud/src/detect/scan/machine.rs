@@ -4,9 +4,8 @@ use super::burst::Burst;
 use super::policy::Decision;
 use super::track::Track;
 use super::{
-    Acknowledgement, Activity, Candidate, Candidates, Capabilities, Configured, End, ErrorSeen,
-    Evidence, FdSeen, FdSupport, Found, FrameSeen, Misfit, Observation, Origin, Outcome, Policy,
-    Settings, Standing, Status, bounds,
+    Candidate, Candidates, Capabilities, Configured, End, Evidence, FdSupport, Outcome, Policy,
+    Settings, bounds,
 };
 use crate::units::Micros;
 
@@ -27,25 +26,32 @@ pub(super) struct Step {
     pub(super) at: usize,
     pub(super) since: Micros,
     pub(super) configured: Configured,
-    /// The last good frame, error or edge, or when listening began.
+    /// The last good frame or error, or when listening began.
     pub(super) heard: Micros,
+    /// How long before that nothing was heard.
+    pub(super) pause: Micros,
     /// The last good frame or error at the ACK delimiter.
     pub(super) good: Option<Micros>,
     /// Good frames in this step.
     pub(super) frames: u32,
     pub(super) burst: Option<Burst>,
+    /// Edges since the last frame or error.
     pub(super) edges: u32,
+    /// The first of them.
+    pub(super) edges_since: Option<Micros>,
     /// The last error.
     pub(super) last_error: Option<Micros>,
     /// Bursts of errors after a good frame.
     pub(super) doubts: u32,
     /// A frame was destroyed at its ACK delimiter.
     pub(super) unacknowledged: bool,
+    /// The nominal rate is proven; only the data rate is not.
+    pub(super) awaits_switch: bool,
     pub(super) decision: Decision,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum State {
+pub(super) enum State {
     Waiting,
     /// [`Action::Listen`] is to be told, or was told.
     Switching {
@@ -64,11 +70,12 @@ enum State {
 pub(super) struct Traffic {
     /// The last sign of it.
     pub(super) last: Option<Micros>,
-    /// The longest time listened without a sign of it, once there was one: about how far frames
-    /// are apart.
+    /// How long it takes until something is heard, of late: about how far frames are apart.
     pub(super) pause: Micros,
     /// The controller has told an error or a counter that moved: it does tell.
     pub(super) tells: bool,
+    /// It has told edges.
+    pub(super) edges: bool,
     /// The controller has told an error in the arbitration field: it tells that apart.
     pub(super) tells_arbitration: bool,
 }
@@ -104,22 +111,22 @@ pub struct Scan<const N: usize> {
     pub(super) tracks: [Track; N],
     pub(super) settings: Settings,
     pub(super) evidence: Evidence,
-    fd: FdSupport,
+    pub(super) fd: FdSupport,
     pub(super) latency: Micros,
     /// The longest it may take, then the longest it took.
     pub(super) reconfiguration: Micros,
     pub(super) bound: Option<Micros>,
-    state: State,
+    pub(super) state: State,
     /// The candidate that was last told.
     pub(super) last_at: Option<usize>,
     pub(super) started: Micros,
     pub(super) visits: u32,
     pub(super) traffic: Traffic,
     /// The receive error counter as it was last told.
-    counter: Option<u16>,
+    pub(super) counter: Option<u16>,
     /// Told since listening began.
-    counter_is_fresh: bool,
-    outcome: Option<Outcome>,
+    pub(super) counter_is_fresh: bool,
+    pub(super) outcome: Option<Outcome>,
 }
 
 impl<const N: usize> Scan<N> {
@@ -258,10 +265,17 @@ impl<const N: usize> Scan<N> {
     fn go_on(&mut self, now: Micros) {
         let late = self.visits > 0 && now + self.reconfiguration >= self.ends_at();
         self.state = match self.next() {
+            None if self.candidates_remain() => return self.end(self.without_verdict()),
             None => return self.end(Outcome::Refused),
             Some(_) if late || self.all_refuted() => return self.end(self.without_verdict()),
             Some(to) => State::Switching { to, since: now, told: false },
         };
+    }
+
+    /// Some were not refused; others may have been ruled out.
+    fn candidates_remain(&self) -> bool {
+        let count = self.candidates.as_slice().len();
+        self.tracks.iter().take(count).any(|track| !track.refused)
     }
 
     fn end(&mut self, outcome: Outcome) {
@@ -283,13 +297,16 @@ impl<const N: usize> Scan<N> {
             since: now,
             configured,
             heard: now,
+            pause: Micros(0),
             good: None,
             frames: 0,
             burst: None,
             edges: 0,
+            edges_since: None,
             last_error: None,
             doubts: 0,
             unacknowledged: false,
+            awaits_switch: false,
             decision: Decision::Stay,
         });
     }
@@ -303,190 +320,10 @@ impl<const N: usize> Scan<N> {
         self.go_on(now);
     }
 
-    /// The controller has told this.
-    pub fn handle(&mut self, now: Micros, observation: &Observation) {
-        let State::Listening(mut step) = self.state else { return };
-        if step.decision == Decision::Stay {
-            step.decision = match observation {
-                Observation::Frame(seen) => self.frame_seen(&mut step, now, seen),
-                Observation::Error(seen) => self.error_seen(&mut step, now, seen),
-                Observation::ReceiveErrors(count) => self.counter_seen(&mut step, now, *count),
-                Observation::Edges(count) => self.edges_seen(&mut step, now, *count),
-                Observation::Lost => Decision::Stay,
-            };
-            self.state = State::Listening(step);
-        }
-    }
-
-    /// When it was heard, if that was since listening began: a time stamp says so, or that no
-    /// observation is that long under way.
-    fn since_listening(
-        &self,
-        step: &Step,
-        now: Micros,
-        received: Option<Micros>,
-    ) -> Option<Micros> {
-        match received {
-            Some(at) => (at >= step.since).then_some(at.min(now)),
-            None => (now >= step.since + self.latency).then_some(now),
-        }
-    }
-
-    fn frame_seen(&mut self, step: &mut Step, now: Micros, seen: &FrameSeen) -> Decision {
-        let at = self.since_listening(step, now, seen.received);
-        let soonest = step.since + Micros::of_bits(bounds::FIRST_FRAME, step.configured.nominal);
-        let Some(at) = at.filter(|at| *at >= soonest && seen.origin == Origin::Bus) else {
-            return Decision::Stay;
-        };
-        if let Some(track) = self.tracks.get_mut(step.at) {
-            track.note_frame(&seen.frame);
-        }
-        step.frames = step.frames.saturating_add(1);
-        self.sign_of_traffic(step, at);
-        self.frame(step, at)
-    }
-
-    fn error_seen(&mut self, step: &mut Step, now: Micros, seen: &ErrorSeen) -> Decision {
-        self.traffic.tells = true;
-        let Some(at) = self.since_listening(step, now, seen.received) else {
-            return Decision::Stay;
-        };
-        step.last_error = Some(at);
-        self.sign_of_traffic(step, at);
-        self.error(step, at, seen.class, seen.place)
-    }
-
-    fn counter_seen(&mut self, step: &mut Step, now: Micros, count: u16) -> Decision {
-        // A counter that is lower than before was reset by the switch, and counts from 0.
-        let before = match self.counter {
-            Some(before) if self.counter_is_fresh || count >= before => before,
-            Some(_) => 0,
-            None => count,
-        };
-        let stale = !self.counter_is_fresh && count > before && before > 0;
-        self.counter = Some(count);
-        self.counter_is_fresh = true;
-        if count <= before || stale {
-            return Decision::Stay;
-        }
-        self.traffic.tells = true;
-        step.last_error = Some(now);
-        self.sign_of_traffic(step, now);
-        self.counted(step, now, count - before)
-    }
-
-    fn edges_seen(&mut self, step: &mut Step, now: Micros, count: u32) -> Decision {
-        if count > 0 && now >= step.since + self.latency {
-            step.edges = step.edges.saturating_add(count);
-            self.sign_of_traffic(step, now);
-        }
-        Decision::Stay
-    }
-
-    fn sign_of_traffic(&mut self, step: &mut Step, at: Micros) {
-        self.traffic.pause = self.traffic.pause.max(at - step.heard);
-        self.traffic.last = Some(at);
-        step.heard = step.heard.max(at);
-    }
-
     fn finish_step(&mut self, step: &Step, now: Micros) {
         if let Some(track) = self.tracks.get_mut(step.at) {
             track.listened = track.listened + (now - step.since);
         }
-    }
-
-    fn found(&self, step: &Step, now: Micros) -> Outcome {
-        let track = self.tracks.get(step.at).copied().unwrap_or_default();
-        let candidate = self.candidates.as_slice().get(step.at).copied();
-        let suspected = self.fd == FdSupport::Classic && track.errors > 1;
-        let fd = match (track.fd, track.switched) {
-            (true, true) => FdSeen::Switched,
-            (true, false) => FdSeen::NeverSwitched,
-            (false, _) if suspected && track.in_arbitration == 0 => FdSeen::Suspected,
-            (false, _) => FdSeen::No,
-        };
-        Outcome::Found(Found {
-            candidate: candidate.unwrap_or(Candidate::classic(step.configured.nominal)),
-            configured: step.configured,
-            frames: track.frames,
-            distinct: track.distinct,
-            errors: track.errors,
-            elapsed: now - self.started,
-            visits: self.visits,
-            acknowledgement: if track.unacknowledged > 0 {
-                Acknowledgement::Missing
-            } else {
-                Acknowledgement::Presumed
-            },
-            fd,
-        })
-    }
-
-    fn without_verdict(&self) -> Outcome {
-        if self.traffic.last.is_some() {
-            return Outcome::NoCandidateFits(Misfit { perhaps_fd: self.perhaps_fd() });
-        }
-        match self.evidence {
-            Evidence::Errors => Outcome::Silent,
-            // A counter that never moved may be a frozen one.
-            Evidence::Counter | Evidence::FramesOnly => Outcome::StillOpen,
-        }
-    }
-
-    fn perhaps_fd(&self) -> Option<Candidate> {
-        if self.fd == FdSupport::Fd || !self.traffic.tells_arbitration {
-            return None;
-        }
-        let past = |track: &Track| track.errors >= 4 && track.in_arbitration == 0;
-        let mut all = self.candidates.as_slice().iter().zip(&self.tracks).filter(|(_, t)| past(t));
-        match (all.next(), all.next()) {
-            (Some((candidate, _)), None) => Some(*candidate),
-            _ => None,
-        }
-    }
-
-    /// Where the scan is.
-    #[must_use]
-    pub fn status(&self, now: Micros) -> Status {
-        let candidate = |at: usize| self.candidates.as_slice().get(at).copied();
-        let activity = match &self.state {
-            State::Waiting => Some(Activity::Waiting),
-            State::Switching { to, .. } => candidate(*to).map(Activity::Switching),
-            State::Listening(step) if step.frames > 0 => {
-                candidate(step.at).map(Activity::Confirming)
-            }
-            State::Listening(step) => candidate(step.at).map(Activity::Listening),
-            State::Done { .. } => Some(Activity::Done),
-        };
-        let elapsed = match self.state {
-            State::Waiting => Micros(0),
-            _ => now - self.started,
-        };
-        Status {
-            activity: activity.unwrap_or(Activity::Done),
-            elapsed,
-            left: self.bound().map(|bound| bound - elapsed),
-            visits: self.visits,
-        }
-    }
-
-    /// What speaks for and against each candidate, in the order of the list.
-    pub fn standings(&self) -> impl Iterator<Item = Standing> {
-        let lowest = self.tracks.iter().take(self.candidates.as_slice().len());
-        let lowest = lowest.map(|track| track.standing()).min().unwrap_or(0);
-        self.candidates.as_slice().iter().zip(&self.tracks).map(move |(candidate, track)| {
-            Standing {
-                candidate: *candidate,
-                refused: track.refused,
-                visits: track.visits,
-                listened: track.listened,
-                frames: track.frames,
-                distinct: track.distinct,
-                errors: track.errors,
-                unacknowledged: track.unacknowledged,
-                weight: track.standing().abs_diff(lowest),
-            }
-        })
     }
 
     pub(super) const fn policy(&self) -> Policy {

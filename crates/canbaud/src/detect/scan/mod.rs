@@ -20,6 +20,7 @@ mod candidate;
 mod candidates;
 mod controller;
 mod driver;
+mod hearing;
 mod likelihood;
 mod machine;
 mod observation;
@@ -28,6 +29,7 @@ mod policy;
 mod settings;
 mod status;
 mod track;
+mod verdict;
 
 pub use candidate::{Candidate, Capture};
 pub use candidates::{Candidates, TooMany};

@@ -1,6 +1,7 @@
 //! What a scan says in the end.
 
 use super::{Candidate, Configured};
+use crate::rates::{self, KnownRate};
 use crate::units::{Bitrate, Micros};
 
 /// Whether somebody acknowledges the frames.
@@ -47,6 +48,8 @@ pub struct Found {
     pub acknowledgement: Acknowledgement,
     /// CAN FD.
     pub fd: FdSeen,
+    /// How far the bus may be from this rate, in thousandths: what the receiver captures.
+    pub reach_permille: u16,
 }
 
 impl Found {
@@ -54,6 +57,37 @@ impl Found {
     #[must_use]
     pub const fn nominal(&self) -> Bitrate {
         self.configured.nominal
+    }
+
+    /// Between which the bit rate of the bus lies.
+    #[must_use]
+    pub fn interval(&self) -> (Bitrate, Bitrate) {
+        let rate = u64::from(self.nominal().bits_per_second());
+        let permille = u64::from(self.reach_permille);
+        let bound = |permille: u64| Bitrate::new(u32::try_from(rate * permille / 1000).ok()?);
+        let low = bound(1000 - permille).unwrap_or(self.nominal());
+        (low, bound(1000 + permille).unwrap_or(self.nominal()))
+    }
+
+    /// The rates in use that it may be: a receiver cannot tell 615.385 from 625 kbit/s.
+    ///
+    /// ```
+    /// # use canbaud::detect::scan::*;
+    /// # use canbaud::units::{Bitrate, Micros};
+    /// # let nominal = Bitrate::new(625_000).unwrap();
+    /// # let found = Found {
+    /// #     candidate: Candidate::classic(nominal),
+    /// #     configured: Configured { nominal, data: None },
+    /// #     frames: 2, distinct: 2, errors: 0, elapsed: Micros(0), visits: 1,
+    /// #     acknowledgement: Acknowledgement::Presumed, fd: FdSeen::No,
+    /// #     reach_permille: 35,
+    /// # };
+    /// let class: Vec<_> = found.class().map(|known| known.bitrate().to_string()).collect();
+    /// assert_eq!(class, ["615.385k", "625k"]);
+    /// ```
+    pub fn class(&self) -> impl Iterator<Item = &'static KnownRate> + use<> {
+        let (low, high) = self.interval();
+        rates::nominal().iter().filter(move |known| (low..=high).contains(&known.bitrate()))
     }
 
     /// The data bit rate, if frames that switch to it were received.

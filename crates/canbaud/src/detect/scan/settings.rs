@@ -16,11 +16,14 @@ pub enum Policy {
     Koppe,
     /// Each candidate in the list's order for [`Settings::dwell`]; the first frame is the answer.
     FixedDwell,
+    /// Measures a rate that is known roughly: listens at every candidate once, and the middle of
+    /// those that can be read is the answer. For [`Candidates::around`](super::Candidates::around).
+    Survey,
 }
 
 impl Policy {
     /// All policies.
-    pub const ALL: [Self; 3] = [Self::Weighing, Self::Koppe, Self::FixedDwell];
+    pub const ALL: [Self; 4] = [Self::Weighing, Self::Koppe, Self::FixedDwell, Self::Survey];
 
     /// Its name.
     #[must_use]
@@ -29,6 +32,7 @@ impl Policy {
             Self::Weighing => "weighing",
             Self::Koppe => "koppe",
             Self::FixedDwell => "fixed-dwell",
+            Self::Survey => "survey",
         }
     }
 }
@@ -45,7 +49,7 @@ pub struct UnknownPolicy;
 
 impl fmt::Display for UnknownPolicy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("no such policy: allowed are default, weighing, koppe, fixed-dwell")
+        f.write_str("no such policy: allowed are default, weighing, koppe, fixed-dwell, survey")
     }
 }
 

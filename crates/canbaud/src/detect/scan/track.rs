@@ -31,6 +31,8 @@ pub(super) struct Track {
     pub(super) fd: bool,
     pub(super) switched: bool,
     pub(super) refused: bool,
+    /// Another nominal rate is proven.
+    pub(super) ruled_out: bool,
 }
 
 impl Track {

@@ -1,30 +1,12 @@
 //! The state machine of a slave.
 
+use super::action::SlaveAction;
 use super::activation::{Activation, Step};
 use super::options::{Automatic, Configuration, SlaveOptions, Storage, StoreError};
 use super::selection::{Progress, Sequence};
 use crate::lss::{LssAddress, LssState, NodeId, Outcome, Part, RateSetting, Request, Response};
 use crate::units::Micros;
 use crate::wire::Frame;
-
-/// What the node has to do, at once and in this order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(clippy::large_enum_variant, reason = "no_std: actions live on the stack")]
-pub enum SlaveAction {
-    /// Send this frame.
-    Send(Frame),
-    /// Send nothing at all, LSS or not, until [`SlaveAction::ResumeSending`]: take back what waits
-    /// in the controller. The node goes on listening.
-    StopSending,
-    /// Set the controller to this bit rate. [`RateSetting::Automatic`]: listen silently until the
-    /// bit rate is found, set the controller to it, and call [`Slave::rate_found`].
-    SwitchBitRate(RateSetting),
-    /// The node may send again.
-    ResumeSending,
-    /// Enter the NMT state reset communication by itself: the device had no node-ID and was given
-    /// this one. It calls [`Slave::reset_communication`] and boots up with it.
-    ResetCommunication(NodeId),
-}
 
 /// The LSS slave of a device [CiA 305].
 ///
@@ -148,10 +130,11 @@ impl Slave {
     /// Takes a received frame; what is no LSS command of a master is ignored.
     pub fn handle<S: Storage>(&mut self, now: Micros, frame: &Frame, storage: &mut S) {
         let Some(request) = Request::from_frame(frame) else { return };
-        let in_sequence = matches!(
-            request,
-            Request::SwitchStateSelective { .. } | Request::IdentifyRemoteSlave { .. }
-        );
+        let in_sequence = match request {
+            Request::IdentifyRemoteSlave { .. } => true,
+            Request::SwitchStateSelective { .. } => self.state == LssState::Waiting,
+            _ => false,
+        };
         if !in_sequence {
             self.sequence = Sequence::Idle;
         }

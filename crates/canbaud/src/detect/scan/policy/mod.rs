@@ -2,10 +2,11 @@
 
 mod fixed_dwell;
 mod koppe;
+mod survey;
 mod weighing;
 
 use super::machine::{Scan, Step};
-use super::{ErrorClass, ErrorPlace, Policy};
+use super::{ErrorClass, ErrorPlace, Policy, bounds};
 use crate::units::Micros;
 
 /// What to do with the present step.
@@ -28,6 +29,7 @@ impl<const N: usize> Scan<N> {
             Policy::Weighing => self.weighing_next(),
             Policy::Koppe => self.koppe_next(),
             Policy::FixedDwell => self.fixed_dwell_next(),
+            Policy::Survey => self.survey_next(),
         }
     }
 
@@ -36,6 +38,7 @@ impl<const N: usize> Scan<N> {
         match self.policy() {
             Policy::Weighing => self.weighing_frame(step, at),
             Policy::Koppe | Policy::FixedDwell => Decision::Announce,
+            Policy::Survey => self.survey_frame(step),
         }
     }
 
@@ -51,15 +54,23 @@ impl<const N: usize> Scan<N> {
             Policy::Weighing => self.weighing_error(step, at, class, place),
             Policy::Koppe => self.koppe_error(step),
             Policy::FixedDwell => Decision::Stay,
+            Policy::Survey => self.survey_error(step),
         }
     }
 
-    /// The receive error counter rose by `rise`.
-    pub(super) fn counted(&mut self, step: &mut Step, at: Micros, rise: u16) -> Decision {
+    /// The receive error counter rose by `rise`, perhaps as far as it goes.
+    pub(super) fn counted(
+        &mut self,
+        step: &mut Step,
+        at: Micros,
+        rise: u16,
+        saturated: bool,
+    ) -> Decision {
         match self.policy() {
-            Policy::Weighing => self.weighing_counted(step, at, rise),
+            Policy::Weighing => self.weighing_counted(step, at, rise, saturated),
             Policy::Koppe => self.koppe_error(step),
             Policy::FixedDwell => Decision::Stay,
+            Policy::Survey => self.survey_error(step),
         }
     }
 
@@ -71,7 +82,7 @@ impl<const N: usize> Scan<N> {
         match self.policy() {
             Policy::Weighing => self.weighing_time(step, now),
             Policy::Koppe => Decision::Stay,
-            Policy::FixedDwell => Decision::Leave,
+            Policy::FixedDwell | Policy::Survey => Decision::Leave,
         }
     }
 
@@ -84,7 +95,14 @@ impl<const N: usize> Scan<N> {
             Policy::Weighing => self.weighing_wake(step),
             Policy::Koppe => Micros::MAX,
             Policy::FixedDwell => step.since + self.settings.dwell,
+            Policy::Survey => step.since + self.longest_step(step),
         }
+    }
+
+    /// How long a step may listen at most while nothing is heard.
+    fn longest_step(&self, step: &Step) -> Micros {
+        let own = self.candidates.as_slice().get(step.at);
+        own.map_or(Micros(0), |own| bounds::patience(own, &self.settings))
     }
 
     /// Every candidate that can be had has met so many errors that it cannot be the rate.
@@ -92,10 +110,10 @@ impl<const N: usize> Scan<N> {
         self.policy() == Policy::Weighing && self.weighing_all_refuted()
     }
 
-    /// The places of the candidates that the controller has not refused.
+    /// The places of the candidates that may be the rate and that the controller has not refused.
     pub(super) fn usable(&self) -> impl Iterator<Item = usize> {
         let count = self.candidates.as_slice().len();
-        let usable = self.tracks.iter().take(count).enumerate().filter(|(_, t)| !t.refused);
-        usable.map(|(at, _)| at)
+        let tracks = self.tracks.iter().take(count).enumerate();
+        tracks.filter(|(_, track)| !track.refused && !track.ruled_out).map(|(at, _)| at)
     }
 }

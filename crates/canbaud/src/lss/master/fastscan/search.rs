@@ -33,8 +33,8 @@ enum Zeros {
 /// A question.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Ask {
-    /// Is the part this number?
-    Number(u32),
+    /// Is the part this number, its lowest `open` bits aside?
+    Number { number: u32, open: u8 },
     /// Are so many next bits 0?
     Zeros(u8),
     /// Is the next bit this?
@@ -105,9 +105,22 @@ impl<'a> Search<'a> {
         self.begin(Part::VendorId);
     }
 
-    /// Whether silence may be judged early: a mistake would be found out.
-    pub(super) fn may_hurry(&self) -> bool {
+    /// Whether likely things are tried first.
+    pub(super) fn is_quick(&self) -> bool {
         self.care == Care::Quick
+    }
+
+    /// Whether silence after the next request may be judged early: a mistake would be found out.
+    pub(super) fn may_hurry(&self) -> bool {
+        self.is_quick() && !matches!(self.ask(), Ask::Check | Ask::Confirm)
+    }
+
+    /// The address that the last confirmation was asked for: if the answer was lost, the device is
+    /// in configuration. A known device may be there for long.
+    pub(super) fn last_asked(&self) -> Option<LssAddress> {
+        let address = self.address.with_part(self.part, self.value);
+        let last = self.part == Part::SerialNumber && self.ask() == Ask::Confirm;
+        (last && !self.known.contains(&address)).then_some(address)
     }
 
     fn begin(&mut self, part: Part) {
@@ -131,11 +144,12 @@ impl<'a> Search<'a> {
             (_, 0, _) => Ask::Confirm,
             (Care::Document, ..) => Ask::Bit(false),
             (Care::Careful, 32, _) if self.replay().is_some() => {
-                Ask::Number(self.replay().unwrap_or_default())
+                Ask::Number { number: self.replay().unwrap_or_default(), open: 0 }
             }
             (Care::Careful, ..) => Ask::Bit(self.doubt % 2 == 1),
             (Care::Quick, 32, _) if self.candidate().is_some() => {
-                Ask::Number(self.candidate().map_or(0, |(_, number)| number))
+                let number = self.candidate().map_or(0, |(_, number)| number);
+                Ask::Number { number, open: self.left_open() }
             }
             (Care::Quick, open, Zeros::Likely) => Ask::Zeros((open / 2).max(1)),
             (Care::Quick, _, Zeros::OneWithin(window)) => Ask::Zeros((window / 2).max(1)),
@@ -149,6 +163,12 @@ impl<'a> Search<'a> {
         (self.tried == 0 && self.part.sub() < self.confirmed).then(|| self.address.part(self.part))
     }
 
+    /// Bits that a known number says nothing about: serial numbers of devices bought together are
+    /// close to each other.
+    fn left_open(&self) -> u8 {
+        if self.part == Part::SerialNumber { 8 } else { 0 }
+    }
+
     /// The next number of this part among the known addresses that share the parts before, and
     /// its place.
     fn candidate(&self) -> Option<(usize, u32)> {
@@ -156,7 +176,8 @@ impl<'a> Search<'a> {
             let before = Part::ALL.iter().take_while(|part| **part < self.part);
             before.into_iter().all(|part| known.part(*part) == self.address.part(*part))
         };
-        let number = |known: &LssAddress| known.part(self.part);
+        let open = self.left_open();
+        let number = |known: &LssAddress| known.part(self.part) >> open << open;
         self.known.iter().enumerate().skip(self.tried).find_map(|(place, known)| {
             let seen = self.known.iter().take(self.tried);
             let new =
@@ -169,7 +190,7 @@ impl<'a> Search<'a> {
     pub(super) fn request(&self) -> Request {
         let lowest = |bits: u8| self.open.saturating_sub(bits);
         let (id_number, bit_checked, next) = match self.ask() {
-            Ask::Number(number) => (number, 0, self.part),
+            Ask::Number { number, open } => (number, open, self.part),
             Ask::Zeros(bits) => (self.value, lowest(bits), self.part),
             Ask::Bit(one) => {
                 (self.value | u32::from(one) << (lowest(1) & 31), lowest(1), self.part)
@@ -185,7 +206,10 @@ impl<'a> Search<'a> {
         let ask = self.ask();
         self.unproven = 0;
         match ask {
-            Ask::Number(number) => (self.value, self.open) = (number, 0),
+            Ask::Number { number, open } => {
+                (self.value, self.open) = (number >> open << open, open);
+                self.zeros = Zeros::NotSought;
+            }
             Ask::Zeros(bits) => {
                 self.decide(0, bits);
                 if let Zeros::OneWithin(window) = self.zeros {
@@ -202,7 +226,7 @@ impl<'a> Search<'a> {
     /// Nobody answered the request.
     pub(super) fn no(&mut self) -> Progress {
         match self.ask() {
-            Ask::Number(_) => {
+            Ask::Number { .. } => {
                 self.tried = match self.candidate() {
                     Some((place, _)) if self.care == Care::Quick => place + 1,
                     _ => self.tried + 1,

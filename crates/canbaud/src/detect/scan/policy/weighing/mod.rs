@@ -1,8 +1,12 @@
 //! The default: what is heard at one candidate is evidence for and against all of them.
 
+mod conclude;
+mod confirm;
+mod silence;
+
 use super::Decision;
 use crate::detect::scan::burst::Burst;
-use crate::detect::scan::likelihood::{error_bits, explain, log2};
+use crate::detect::scan::likelihood::{error_bits, log2};
 use crate::detect::scan::machine::{Scan, Step};
 use crate::detect::scan::track::BIT;
 use crate::detect::scan::{ErrorClass, ErrorPlace, Evidence, bounds};
@@ -21,27 +25,13 @@ const ENOUGH_SPARSE: u32 = 6;
 /// Frames destroyed at their ACK delimiter that are waited out: a lone sender is error passive
 /// after 16 of them, and its frames are good from then on.
 const UNACKNOWLEDGED: u32 = 40;
-/// Further bursts of errors after which a rate with one good frame is left.
-const DOUBTS: u32 = 3;
 /// A candidate that much less likely than the best is out of the question, for now.
 const IN_QUESTION: i32 = 12 * BIT;
-/// What other rates can say against one, at most.
-const LEAST_HINT: i32 = -14 * BIT;
-/// Slower than this against the bus, a receiver may hear nothing at all on a loaded bus.
-const DEAF: u32 = 4;
-/// Faster than this against the bus, six bits of the receiver lie within one of the bus: no frame
-/// can look good.
-const NO_ACCIDENT: u32 = 6;
 /// The first time that a controller which tells no errors listens to a candidate.
-const FIRST_LOOK: Micros = Micros::from_ms(20);
-
-/// Whether a receiver may hear nothing at all of a loaded bus.
-const fn is_deaf(receiver: Bitrate, bus: Bitrate) -> bool {
-    bus.bits_per_second() / DEAF >= receiver.bits_per_second()
-}
+const FIRST_LOOK: Micros = Micros::from_ms(60);
 
 impl<const N: usize> Scan<N> {
-    pub(in super::super) fn weigh_prior(&mut self) {
+    pub(in super::super::super) fn weigh_prior(&mut self) {
         for (candidate, track) in self.candidates.as_slice().iter().zip(&mut self.tracks) {
             if self.settings.last_known == Some(candidate.nominal) {
                 track.weight = LAST_KNOWN;
@@ -49,12 +39,41 @@ impl<const N: usize> Scan<N> {
         }
     }
 
+    /// What the controller tells: nothing, if it had nothing to tell during a whole step and never
+    /// told an error. Some that promise to do not.
+    fn telling(&self) -> Evidence {
+        let mute = !self.traffic.tells && self.tracks.iter().any(|track| track.silences > 0);
+        if mute { Evidence::FramesOnly } else { self.evidence }
+    }
+
     fn rate(&self, at: usize) -> Option<Bitrate> {
         self.candidates.as_slice().get(at).map(|candidate| candidate.nominal)
     }
 
-    /// The one with the best chance for the time that it takes.
+    /// The one with the best chance for the time that it takes. Of many that are as good as each
+    /// other, the middle one: errors there say whether the bus is slower or faster.
     pub(super) fn weighing_next(&self) -> Option<usize> {
+        self.middle_of_the_best().or_else(|| self.best_for_its_time())
+    }
+
+    fn middle_of_the_best(&self) -> Option<usize> {
+        if self.telling() == Evidence::FramesOnly || !self.traffic.tells {
+            return None;
+        }
+        let standing = |at: usize| self.tracks.get(at).map_or(i32::MIN, |track| track.standing());
+        let best = self.usable().map(standing).max()?;
+        let equal = || self.usable().filter(|at| standing(*at) > best.saturating_sub(BIT));
+        let count = equal().count();
+        if count < 3 {
+            return None;
+        }
+        let faster = |at: &usize| {
+            equal().filter(|other| (self.rate(*other), *other) > (self.rate(*at), *at)).count()
+        };
+        equal().find(|at| faster(at) == count / 2)
+    }
+
+    fn best_for_its_time(&self) -> Option<usize> {
         let score = |at: usize| {
             let rate = self.rate(at)?;
             let listening = Micros::of_bits(2 * bounds::LONGEST_FRAME, rate) + self.first_look(at);
@@ -67,7 +86,7 @@ impl<const N: usize> Scan<N> {
 
     /// How long a controller that tells no errors listens to a candidate: twice as long each time.
     fn first_look(&self, at: usize) -> Micros {
-        match self.evidence {
+        match self.telling() {
             Evidence::Errors | Evidence::Counter => Micros(0),
             Evidence::FramesOnly => {
                 let silences = self.tracks.get(at).map_or(0, |track| track.silences).min(16);
@@ -85,7 +104,7 @@ impl<const N: usize> Scan<N> {
             track.weight = track.weight.saturating_add(GOOD_FRAME);
         }
         step.good = step.good.or(Some(at));
-        if track.distinct > 1 { Decision::Announce } else { Decision::Stay }
+        if track.distinct > 1 { self.settle(step, at) } else { Decision::Stay }
     }
 
     pub(super) fn weighing_error(
@@ -105,12 +124,19 @@ impl<const N: usize> Scan<N> {
         self.after_error(step)
     }
 
-    pub(super) fn weighing_counted(&mut self, step: &mut Step, at: Micros, rise: u16) -> Decision {
+    pub(super) fn weighing_counted(
+        &mut self,
+        step: &mut Step,
+        at: Micros,
+        rise: u16,
+        saturated: bool,
+    ) -> Decision {
         let burst = Self::hear_error(step, at);
         // An error counts 1, and 8 more if the bus is still dominant behind the flag.
         burst.count = burst.count.saturating_add(u32::from(rise / 9));
         burst.closest = Micros(0);
         burst.counted = true;
+        burst.saturated = saturated;
         self.after_error(step)
     }
 
@@ -120,7 +146,7 @@ impl<const N: usize> Scan<N> {
                 burst.add(at);
                 burst
             }
-            none => none.insert(Burst::new(at)),
+            none => none.insert(Burst::new(at, step.pause)),
         }
     }
 
@@ -157,9 +183,12 @@ impl<const N: usize> Scan<N> {
         if let Some(burst) = &step.burst {
             return (burst.last + self.hush(step, burst)).min(burst.first + self.longest_burst());
         }
+        if step.awaits_switch {
+            return step.since + self.longest_step(step);
+        }
         match step.good {
             Some(good) => good.max(self.quiet_since(step)) + self.confirmation(step),
-            None => step.heard + self.patience(step),
+            None => (step.heard + self.patience(step)).min(Self::stalled_at(step)),
         }
     }
 
@@ -201,128 +230,11 @@ impl<const N: usize> Scan<N> {
         self.slowest().map_or(Micros(0), |rate| Micros::of_bits(bounds::LONGEST_FRAME, rate))
     }
 
-    /// A burst is over.
-    fn conclude(&mut self, step: &mut Step, burst: Burst) -> Decision {
-        step.burst = None;
-        let Some(listened_at) = self.rate(step.at) else { return Decision::Leave };
-        let against = error_bits(self.settings.destroyed);
-        for (at, candidate) in self.candidates.as_slice().iter().enumerate() {
-            let Some(track) = self.tracks.get_mut(at) else { continue };
-            if at == step.at {
-                track.errors = track.errors.saturating_add(1);
-                track.in_arbitration += u32::from(burst.in_arbitration);
-                let times = if burst.count > 1 { 2 } else { 1 };
-                track.weight = track.weight.saturating_sub(times * against);
-            } else if step.frames == 0 {
-                track.hint += explain(&burst, listened_at, candidate.nominal, self.latency);
-            }
-        }
-        self.level_hints();
-        if step.frames > 0 && step.doubts < DOUBTS {
-            step.doubts += 1;
-            return Decision::Stay;
-        }
-        self.stay_or_leave(step.at)
-    }
-
-    /// The best hint is 0 and none goes below the least: a rate that was never listened to is
-    /// never lost to hints.
-    fn level_hints(&mut self) {
-        let best = self.usable().filter_map(|at| Some(self.tracks.get(at)?.hint)).max();
-        for track in &mut self.tracks {
-            track.hint = (track.hint - best.unwrap_or(0)).clamp(LEAST_HINT, 0);
-        }
-    }
-
     fn stay_or_leave(&self, at: usize) -> Decision {
         if self.weighing_next() == Some(at) && !self.weighing_all_refuted() {
             Decision::Stay
         } else {
             Decision::Leave
-        }
-    }
-
-    /// How long nothing may be heard before another candidate is listened to.
-    fn patience(&self, step: &Step) -> Micros {
-        let Some(candidate) = self.candidates.as_slice().get(step.at) else { return Micros(0) };
-        let most = bounds::patience(candidate, &self.settings);
-        if step.unacknowledged {
-            return Micros::of_bits(2 * bounds::RETRANSMISSION, candidate.nominal).min(most);
-        }
-        let frames = Micros::of_bits(2 * bounds::LONGEST_FRAME, candidate.nominal);
-        match self.evidence {
-            Evidence::FramesOnly => (frames + self.first_look(step.at)).min(most),
-            Evidence::Errors | Evidence::Counter
-                if self.traffic.last.is_some() && self.may_be_deaf(candidate.nominal) =>
-            {
-                (frames + self.traffic.pause.times(8) + self.reconfiguration).min(most)
-            }
-            Evidence::Errors | Evidence::Counter => most,
-        }
-    }
-
-    /// A candidate in question is so much faster that a receiver at `rate` may hear nothing of it.
-    fn may_be_deaf(&self, rate: Bitrate) -> bool {
-        let faster = |at: usize| self.rate(at).is_some_and(|other| is_deaf(rate, other));
-        self.in_question().any(faster)
-    }
-
-    /// Nothing was heard for that long.
-    fn silence(&mut self, step: &mut Step, now: Micros) -> Decision {
-        let stalled = step.edges > 20;
-        let known = self.traffic.tells && self.traffic.last.is_some();
-        let Some(listened_at) = self.rate(step.at) else { return Decision::Leave };
-        let against = error_bits(self.settings.destroyed);
-        for (at, candidate) in self.candidates.as_slice().iter().enumerate() {
-            let Some(track) = self.tracks.get_mut(at) else { continue };
-            let much_faster =
-                candidate.nominal.bits_per_second() / DEAF >= listened_at.bits_per_second();
-            if at == step.at {
-                track.silences = track.silences.saturating_add(1);
-                let bits = if stalled { against } else { BIT };
-                track.weight = track.weight.saturating_sub(bits);
-            } else if much_faster && (known || stalled) {
-                track.hint += BIT;
-            }
-        }
-        self.level_hints();
-        step.heard = now;
-        step.edges = 0;
-        self.stay_or_leave(step.at)
-    }
-
-    /// The last error in this step.
-    fn quiet_since(&self, step: &Step) -> Micros {
-        step.last_error.unwrap_or_default()
-    }
-
-    /// After one good frame: no error for so long confirms it. If it looked good by accident, the
-    /// rest of what is a longer frame of a slower bus has shown an error by then.
-    fn confirmation(&self, step: &Step) -> Micros {
-        let rate = step.configured.nominal;
-        let slower = |at: usize| {
-            self.rate(at).filter(|other| {
-                *other <= rate && other.bits_per_second() >= rate.bits_per_second() / NO_ACCIDENT
-            })
-        };
-        let slowest = self.usable().filter_map(slower).min().unwrap_or(rate);
-        match self.evidence {
-            Evidence::Errors | Evidence::Counter => {
-                Micros::of_bits(bounds::LONGEST_FRAME, slowest) + self.latency
-            }
-            Evidence::FramesOnly => self.settings.pause,
-        }
-    }
-
-    /// One good frame, perhaps several times, and no error since.
-    fn confirmed(&mut self, step: &mut Step, now: Micros) -> Decision {
-        let alone = step.frames < 3;
-        match self.evidence {
-            Evidence::FramesOnly if alone => {
-                step.good = None;
-                self.silence(step, now)
-            }
-            Evidence::Errors | Evidence::Counter | Evidence::FramesOnly => Decision::Announce,
         }
     }
 

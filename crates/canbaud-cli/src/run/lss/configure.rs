@@ -1,0 +1,159 @@
+//! The commands about one device.
+
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+use canbaud::lss::{LssAddress, RateSetting, Service, ServiceError};
+use canbaud_link::lss::Activated;
+use serde_json::json;
+
+use super::args::{AutoArgs, InquireArgs, SetBitrateArgs, SetNodeIdArgs, StoreArgs};
+use super::parse::TableIndex;
+use super::session::Session;
+use super::trouble::Trouble;
+
+/// Between two questions whether a device is back.
+const ASK_AGAIN: Duration = Duration::from_millis(200);
+
+/// `inquire`.
+pub(super) fn inquire(args: &InquireArgs, session: &mut Session) -> Result<(), Trouble> {
+    session.select(&args.device)?;
+    let answer = session.inquire();
+    session.release()?;
+    let (address, node_id) = answer?;
+    if session.is_dry() {
+        return Ok(());
+    }
+    tell(args.line.json, address, node_id)?;
+    Ok(())
+}
+
+fn tell(as_json: bool, address: LssAddress, node_id: u8) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    if as_json {
+        let object = json!({
+            "vendor_id": address.vendor_id,
+            "product_code": address.product_code,
+            "revision_number": address.revision_number,
+            "serial_number": address.serial_number,
+            "node_id": node_id,
+        });
+        return writeln!(out, "{object}");
+    }
+    match node_id {
+        255 => writeln!(out, "{address}  no node-ID"),
+        id => writeln!(out, "{address}  node-ID {id}"),
+    }
+}
+
+/// `set-node-id`.
+pub(super) fn set_node_id(args: &SetNodeIdArgs, session: &mut Session) -> Result<(), Trouble> {
+    session.select(&args.device)?;
+    let done = configure(session, Service::ConfigureNodeId(args.node_id), args.store);
+    session.release()?;
+    done?;
+    said(session, &format!("node-ID {} is set{}", args.node_id, kept(args.store)))
+}
+
+/// `store`.
+pub(super) fn store(args: &StoreArgs, session: &mut Session) -> Result<(), Trouble> {
+    session.select(&args.device)?;
+    let done = session.exchange(Service::StoreConfiguration);
+    session.release()?;
+    done?;
+    said(session, "stored")
+}
+
+/// `set-bitrate`.
+pub(super) fn set_bitrate(args: &SetBitrateArgs, session: &mut Session) -> Result<(), Trouble> {
+    let TableIndex(table_index) = args.rate;
+    let setting = RateSetting::from_index(table_index);
+    if args.activate.is_some() && setting.is_none() {
+        let what = format!("index {table_index} stands for no bit rate to go along to");
+        return Err(Trouble::Usage(what));
+    }
+    session.select(&args.device)?;
+    let service = Service::ConfigureBitTiming { table_selector: 0, table_index };
+    if let Err(trouble) = configure(session, service, args.store) {
+        session.release()?;
+        return Err(trouble);
+    }
+    let shown = setting.map_or_else(|| format!("index {table_index}"), |rate| rate.to_string());
+    said(session, &format!("bit rate {shown} is set{}", kept(args.store)))?;
+    let Some(delay) = args.activate else { return session.release() };
+    // Without a fixed bit rate the own channel stays where the device will find it.
+    let own = setting.and_then(RateSetting::bitrate);
+    let activated = session.activate(delay, own)?;
+    warn(session, activated);
+    let back = wait_until_back(session, 10);
+    session.release()?;
+    let after = back?;
+    said(session, &format!("activated; the device answers after {:.1} s", after.as_secs_f64()))
+}
+
+/// `auto`.
+pub(super) fn auto(args: &AutoArgs, session: &mut Session) -> Result<(), Trouble> {
+    session.select(&args.device)?;
+    let service = Service::ConfigureBitTiming { table_selector: 0, table_index: 9 };
+    if let Err(trouble) = configure(session, service, args.store) {
+        session.release()?;
+        return Err(trouble);
+    }
+    said(session, &format!("automatic detection is set{}", kept(args.store)))?;
+    session.activate(args.delay, None)?;
+    // The questions are the traffic by which it finds the bit rate.
+    let back = wait_until_back(session, args.wait);
+    session.release()?;
+    let after = back?;
+    said(session, &format!("the device found the bit rate after {:.1} s", after.as_secs_f64()))
+}
+
+fn configure(session: &mut Session, service: Service, store: bool) -> Result<(), Trouble> {
+    session.exchange(service)?;
+    if store {
+        session.exchange(Service::StoreConfiguration)?;
+    }
+    Ok(())
+}
+
+/// Asks the device in configuration until it answers.
+fn wait_until_back(session: &mut Session, seconds: u16) -> Result<Duration, Trouble> {
+    let (begin, pace) = (Instant::now(), session.pace());
+    let until = Duration::from_secs(seconds.into());
+    session.with_timeout(ASK_AGAIN);
+    let result = loop {
+        match session.inquire_node_id() {
+            Ok(_) => break Ok(begin.elapsed()),
+            Err(Trouble::Service(_, ServiceError::NoAnswer(_))) => {}
+            Err(other) => break Err(other),
+        }
+        if begin.elapsed() >= until {
+            break Err(Trouble::NotBack(seconds));
+        }
+    };
+    session.with_timeout(Duration::from_micros(pace.answer_timeout.0));
+    result
+}
+
+/// What was late with the own channel.
+pub(super) fn warn(session: &Session, activated: Activated) {
+    if let (false, Some(took)) = (activated.in_time, activated.reconfiguration) {
+        let ms = took.as_millis();
+        eprintln!(
+            "canbaud: {} took {ms} ms to change its bit rate, longer than the second period: \
+             what devices sent by then is lost",
+            session.channel()
+        );
+    }
+}
+
+const fn kept(store: bool) -> &'static str {
+    if store { " and stored" } else { ", until the device is switched off" }
+}
+
+fn said(session: &Session, what: &str) -> Result<(), Trouble> {
+    if !session.is_dry() {
+        writeln!(io::stdout().lock(), "{what}")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,28 @@
+//! `canbaud lss activate`: the whole network at once.
+
+use std::io::{self, Write};
+
+use canbaud::lss::{LssState, Service};
+
+use super::args::ActivateArgs;
+use super::configure::warn;
+use super::session::Session;
+use super::trouble::Trouble;
+
+/// All devices switch to what was set in them, the own channel with them.
+pub(super) fn activate(args: &ActivateArgs, session: &mut Session) -> Result<(), Trouble> {
+    session.exchange(Service::SwitchStateGlobal(LssState::Configuration))?;
+    let activated = session.activate(args.delay, args.to)?;
+    warn(session, activated);
+    session.release()?;
+    if session.is_dry() {
+        return Ok(());
+    }
+    let channel = session.channel();
+    let mut out = io::stdout().lock();
+    match args.to {
+        Some(rate) => writeln!(out, "activated; {channel} is at {rate} now")?,
+        None => writeln!(out, "activated; {channel} stays at its bit rate")?,
+    }
+    Ok(())
+}
