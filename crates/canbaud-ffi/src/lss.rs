@@ -9,6 +9,7 @@ use canbaud::lss::{
 };
 use canbaud::units::{Bitrate, Micros};
 use core::ffi::c_void;
+use core::mem::MaybeUninit;
 
 /// Words of a canbaud_lss_slave, of eight bytes each.
 pub const CANBAUD_LSS_SLAVE_WORDS: usize = 32;
@@ -25,7 +26,7 @@ pub const CANBAUD_BITRATE_AUTOMATIC: u32 = 0;
 #[derive(Debug, Clone, Copy)]
 pub struct canbaud_lss_slave {
     /// Private.
-    pub opaque: [u64; CANBAUD_LSS_SLAVE_WORDS],
+    pub opaque: [MaybeUninit<u64>; CANBAUD_LSS_SLAVE_WORDS],
 }
 
 /// The address of a device, object 1018h.

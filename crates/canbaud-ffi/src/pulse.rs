@@ -5,6 +5,7 @@ use crate::storage;
 use canbaud::detect::{BitTime, DataPhase, Need, Phase, PulseDetector, Verdict};
 use canbaud::units::Timebase;
 use canbaud::wire::{Logic, Polarity};
+use core::mem::MaybeUninit;
 
 /// Words of a canbaud_pulse_detector, of eight bytes each.
 pub const CANBAUD_PULSE_DETECTOR_WORDS: usize = 192;
@@ -15,7 +16,7 @@ pub const CANBAUD_PULSE_DETECTOR_WORDS: usize = 192;
 #[derive(Debug, Clone, Copy)]
 pub struct canbaud_pulse_detector {
     /// Private.
-    pub opaque: [u64; CANBAUD_PULSE_DETECTOR_WORDS],
+    pub opaque: [MaybeUninit<u64>; CANBAUD_PULSE_DETECTOR_WORDS],
 }
 
 /// Levels of a line.

@@ -9,6 +9,7 @@ use canbaud::detect::scan::{
     Outcome, Policy, RateChoice, Scan, Settings,
 };
 use canbaud::units::{Bitrate, Micros, Permille};
+use core::mem::MaybeUninit;
 
 /// Most candidates of a scan.
 pub const CANBAUD_SCAN_CANDIDATES_MAX: usize = 16;
@@ -28,7 +29,7 @@ type Machine = Scan<CANBAUD_SCAN_CANDIDATES_MAX>;
 #[derive(Debug, Clone, Copy)]
 pub struct canbaud_scan {
     /// Private.
-    pub opaque: [u64; CANBAUD_SCAN_WORDS],
+    pub opaque: [MaybeUninit<u64>; CANBAUD_SCAN_WORDS],
 }
 
 /// What a controller tells about a wrong rate.

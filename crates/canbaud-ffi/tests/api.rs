@@ -3,10 +3,11 @@
 //! `cargo +nightly miri test -p canbaud-ffi --test api`
 
 use canbaud_ffi::*;
+use core::mem::MaybeUninit;
 use core::ptr::{null, null_mut};
 
 fn zeroed_detector() -> canbaud_pulse_detector {
-    canbaud_pulse_detector { opaque: [0; CANBAUD_PULSE_DETECTOR_WORDS] }
+    canbaud_pulse_detector { opaque: [MaybeUninit::new(0); CANBAUD_PULSE_DETECTOR_WORDS] }
 }
 
 #[test]
@@ -89,7 +90,7 @@ unsafe extern "C" fn store(
 
 #[test]
 fn lss_slave_stores_by_the_callback() {
-    let mut slave = canbaud_lss_slave { opaque: [0; CANBAUD_LSS_SLAVE_WORDS] };
+    let mut slave = canbaud_lss_slave { opaque: [MaybeUninit::new(0); CANBAUD_LSS_SLAVE_WORDS] };
     let address =
         canbaud_lss_address { vendor_id: 1, product_code: 2, revision_number: 3, serial_number: 4 };
     let delivered = canbaud_lss_configuration { node_id: 255, bitrate: 500_000 };
@@ -117,7 +118,7 @@ fn lss_slave_stores_by_the_callback() {
 
 #[test]
 fn scan_takes_a_list_of_candidates() {
-    let mut scan = canbaud_scan { opaque: [0; CANBAUD_SCAN_WORDS] };
+    let mut scan = canbaud_scan { opaque: [MaybeUninit::new(0); CANBAUD_SCAN_WORDS] };
     let capabilities = canbaud_capabilities {
         bitrate_min: 10_000,
         bitrate_max: 1_000_000,

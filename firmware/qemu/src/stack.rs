@@ -7,10 +7,11 @@ const PAINT: u32 = 0xC0DE_CAFE;
 const MARGIN: usize = 256;
 
 unsafe extern "C" {
-    static mut _stack_end: u32;
+    /// Where the linker script says that the stack may not go on.
+    static _stack_end: u32;
 }
 
-/// Bytes that are painted; the examples use less.
+/// Most bytes that are painted.
 const DEPTH: usize = 12 * 1024;
 
 /// The stack pointer.
@@ -26,7 +27,8 @@ fn pointer() -> usize {
 #[inline(never)]
 pub fn measure<R>(work: impl FnOnce() -> R) -> (R, usize) {
     let top = pointer() & !3;
-    let bottom = top - DEPTH;
+    let end = &raw const _stack_end as usize;
+    let bottom = top.saturating_sub(DEPTH).max(end.next_multiple_of(4));
     let mut at = bottom;
     while at < top - MARGIN {
         // SAFETY: unused stack: below the stack pointer, above everything static.

@@ -54,6 +54,7 @@ const CASES: [(&str, u64, u64); 6] = [
 
 /// Of the 24 classic frames among the corner cases, the share whose rate of 1 Mbit/s is found right, to 1.6 %,
 /// from that frame alone.
+#[inline(never)]
 fn found_permille(timer_hz: u64) -> u64 {
     let (mut frames, mut found) = (0, 0);
     for (name, _) in FRAMES.iter().filter(|(name, _)| name.starts_with("stuff-bit-after-crc")) {
@@ -72,6 +73,7 @@ fn found_permille(timer_hz: u64) -> u64 {
     found * 1000 / u64::max(frames, 1)
 }
 
+#[inline(never)]
 fn replay(recording: &Recording) -> Verdict {
     let mut detector = PulseDetector::<160>::new();
     detector.begin(0, recording.initial);
@@ -82,7 +84,8 @@ fn replay(recording: &Recording) -> Verdict {
     detector.verdict()
 }
 
-/// One frame of eight random bytes.
+/// One frame of seven random bytes.
+#[inline(never)]
 fn measure(counter: &Counter, name: &str, bitrate: u64, timer_hz: u64, status: &mut Status) {
     let mut edges = [0_u32; 160];
     let (count, end) = sample("stuff-bit-after-crc-data-base-3", bitrate, timer_hz, &mut edges);
