@@ -112,6 +112,48 @@ fn two_different_frames_are_announced_at_once() {
     assert_eq!(hand.scan.poll(hand.now), None, "stop is told once");
 }
 
+/// Two frames that look good by accident come in hours at a rate that is not the right one.
+#[test]
+fn two_frames_among_thousands_of_errors_are_no_proof() {
+    let settings = Settings { end: End::Never, ..Settings::default() };
+    let only = Candidates::<8>::of_rates(&[rate(500_000)]).expect("one");
+    let limits = capabilities(Evidence::Errors, Micros(0));
+    let mut hand = Hand { scan: Scan::new(&only, &limits, settings), now: ms(1000) };
+    for burst in 0..9_000u32 {
+        hand.poll();
+        hand.wait(ms(5));
+        if burst == 0 || burst == 8_999 {
+            hand.good(&burst.to_be_bytes());
+            assert_eq!(hand.found(), None, "at burst {burst}");
+            hand.wait(Micros(300));
+        }
+        hand.error(ErrorClass::Stuff, ErrorPlace::Arbitration);
+        hand.wait(Micros(300));
+        assert_eq!(hand.found(), None, "at burst {burst}");
+    }
+    assert_eq!(hand.scan.standings().next().expect("one").frames, 2);
+}
+
+/// The same with an adapter that tells frames only, by the time that it has listened.
+#[test]
+fn two_frames_in_many_minutes_are_no_proof_without_errors() {
+    let settings =
+        Settings { end: End::Never, last_known: Some(rate(500_000)), ..Settings::default() };
+    let mut hand = Hand::new(Evidence::FramesOnly, Micros(0), settings);
+    let (mut frames, begin) = (0u8, hand.now);
+    while hand.now < begin + ms(4_000_000) {
+        let at = hand.poll().unwrap_or(rate(1));
+        if at == rate(500_000) && hand.now > begin + ms(2_000_000 * u64::from(frames)) {
+            hand.wait(ms(20));
+            frames += 1;
+            hand.good(&[frames]);
+        }
+        assert_eq!(hand.found(), None, "after {frames} frames");
+        hand.now = hand.now.max(hand.scan.deadline().expect("always a next step"));
+    }
+    assert_eq!(frames, 2);
+}
+
 #[test]
 fn one_frame_needs_a_quiet_time_in_which_a_slower_bus_would_have_shown_an_error() {
     let mut hand = Hand::at(Evidence::Errors, Micros(0), 500_000);
@@ -123,14 +165,17 @@ fn one_frame_needs_a_quiet_time_in_which_a_slower_bus_would_have_shown_an_error(
     assert_eq!(hand.found().expect("quiet for 1.3 ms").distinct, 1);
 }
 
+/// A piece of a frame of a slower bus looks good, and its rest shows as an error. Then comes a pause.
 #[test]
-fn an_error_makes_the_quiet_time_begin_anew() {
+fn an_error_behind_the_only_frame_takes_its_worth_until_a_frame_is_followed_by_none() {
     let mut hand = Hand::at(Evidence::Errors, Micros(0), 500_000);
     hand.wait(ms(5));
     hand.good(&[1]);
     hand.wait(Micros(1_000));
     hand.error(ErrorClass::Stuff, ErrorPlace::Arbitration);
-    assert!(hand.stays_for(Micros(1_200)), "2.2 ms after the frame, but 1.2 ms after an error");
+    assert!(hand.stays_for(ms(50)), "quiet alone proves nothing");
+    hand.good(&[1]);
+    assert!(hand.stays_for(Micros(1_200)));
     hand.wait(Micros(100));
     assert!(hand.found().is_some());
 }

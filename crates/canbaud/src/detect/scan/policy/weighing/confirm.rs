@@ -1,7 +1,7 @@
 //! A good frame was received: when that is enough.
 
 use super::super::Decision;
-use super::GOOD_FRAME;
+use super::{ERRORS_A_FRAME, GOOD_FRAME, LISTENED_A_FRAME};
 use crate::detect::scan::machine::{Scan, Step};
 use crate::detect::scan::track::{BIT, Track};
 use crate::detect::scan::{Evidence, bounds};
@@ -42,6 +42,19 @@ impl<const N: usize> Scan<N> {
             track.weight = -GOOD_FRAME;
         }
         Decision::Leave
+    }
+
+    /// Two different good frames, and not in so long a time that both may be accidents.
+    pub(super) fn is_no_accident(&self, step: &Step, at: Micros) -> bool {
+        let Some(track) = self.tracks.get(step.at) else { return false };
+        let seldom = match self.telling() {
+            Evidence::Errors | Evidence::Counter => track.errors / ERRORS_A_FRAME > track.frames,
+            Evidence::FramesOnly => {
+                let listened = track.listened + (at - step.since);
+                listened > LISTENED_A_FRAME.times(track.frames.into())
+            }
+        };
+        track.distinct > 1 && !seldom
     }
 
     /// The last error in this step.

@@ -27,6 +27,11 @@ const ENOUGH_SPARSE: u32 = 6;
 const UNACKNOWLEDGED: u32 = 40;
 /// A candidate that much less likely than the best is out of the question, for now.
 const IN_QUESTION: i32 = 12 * BIT;
+/// Two frames that look good by accident come among a million that do not: more errors than this
+/// for each good frame, and only a quiet time confirms it.
+const ERRORS_A_FRAME: u32 = 256;
+/// The same where errors are not told: on the busiest bus an accident takes two minutes.
+const LISTENED_A_FRAME: Micros = Micros::from_ms(30_000);
 /// The first time that a controller which tells no errors listens to a candidate.
 const FIRST_LOOK: Micros = Micros::from_ms(60);
 
@@ -103,8 +108,11 @@ impl<const N: usize> Scan<N> {
         if track.frames == 1 {
             track.weight = track.weight.saturating_add(GOOD_FRAME);
         }
+        if self.is_no_accident(step, at) {
+            return self.settle(step, at);
+        }
         step.good = step.good.or(Some(at));
-        if track.distinct > 1 { self.settle(step, at) } else { Decision::Stay }
+        Decision::Stay
     }
 
     pub(super) fn weighing_error(
@@ -141,6 +149,8 @@ impl<const N: usize> Scan<N> {
     }
 
     fn hear_error(step: &mut Step, at: Micros) -> &mut Burst {
+        // So soon behind a good frame, it may be the rest of what only began like one.
+        step.good = None;
         match &mut step.burst {
             Some(burst) => {
                 burst.add(at);
