@@ -85,10 +85,15 @@ fn serve(setup: Setup, pty: &Pty, stop: &AtomicBool) -> Vec<Entry> {
     let mut next = sim.now() + Span::from_us(100);
     let mut count = 0_u8;
     let gone = |now: Instant| setup.unplug_after.is_some_and(|after| now >= began + after);
-    while !stop.load(Ordering::Relaxed) && !gone(Instant::now()) {
+    while !gone(Instant::now()) {
+        // What was written before the end is read before the end.
+        let ends = stop.load(Ordering::Relaxed);
         pty.wait(Duration::from_millis(1)).unwrap();
         let mut bytes = [0; 4096];
         let read = pty.read(&mut bytes).unwrap();
+        if ends && read == 0 {
+            break;
+        }
         if read > 0 {
             std::thread::sleep(setup.delay);
             adapter.command(&bytes[..read], &mut sim);
