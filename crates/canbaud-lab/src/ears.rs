@@ -1,7 +1,7 @@
 //! What the network notices on its way: edges for the timers, and who drives the bus.
 
 use canbaud::wire::Level;
-use canbaud_sim::{Event, NodeConfig, NodeId, Observer, Sample, Time};
+use canbaud_sim::{Event, NodeConfig, NodeId, Observer, Sample, SampleRun, Sampling, Time};
 
 /// An observer for the devices' timers and for the tally, with room for one more observer.
 pub(crate) struct Ears<'a, O> {
@@ -25,7 +25,7 @@ pub(crate) struct Heard {
 }
 
 impl<O: Observer> Observer for Ears<'_, O> {
-    const SAMPLES: bool = O::SAMPLES;
+    const SAMPLING: Sampling = O::SAMPLING;
 
     fn bus(&mut self, at: Time, level: Level) {
         self.heard.edges.push((at, level));
@@ -40,6 +40,10 @@ impl<O: Observer> Observer for Ears<'_, O> {
 
     fn sample(&mut self, at: Time, node: NodeId, sample: &Sample) {
         self.other.sample(at, node, sample);
+    }
+
+    fn samples(&mut self, node: NodeId, run: &SampleRun) {
+        self.other.samples(node, run);
     }
 
     fn event(&mut self, at: Time, node: NodeId, event: &Event) {

@@ -213,6 +213,50 @@ pub struct Sample {
     pub busy: bool,
 }
 
+/// Bits with the same level that a node sampled one after the other, no edge coming in between.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SampleRun {
+    /// The first sample point.
+    pub first: Time,
+    /// The last sample point.
+    pub last: Time,
+    /// How many they are, at least 1.
+    pub bits: u32,
+    /// Each of them.
+    pub sample: Sample,
+}
+
+impl SampleRun {
+    /// One bit.
+    #[must_use]
+    pub const fn one(at: Time, sample: Sample) -> Self {
+        Self { first: at, last: at, bits: 1, sample }
+    }
+}
+
+/// How an observer wants to be told what nodes sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampling {
+    /// Not at all: such a run is the fastest.
+    Untold,
+    /// In runs of bits ([`Observer::samples`]). Those of one node come in order, after everything
+    /// that happened in their time and before anything that the node does after them.
+    InRuns,
+    /// Each in its time ([`Observer::sample`]): such a run is computed bit by bit.
+    InTime,
+}
+
+impl Sampling {
+    /// What serves both.
+    const fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::InTime, _) | (_, Self::InTime) => Self::InTime,
+            (Self::InRuns, _) | (_, Self::InRuns) => Self::InRuns,
+            (Self::Untold, Self::Untold) => Self::Untold,
+        }
+    }
+}
+
 /// Something from outside the nodes that changes levels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Disturbance {
@@ -228,8 +272,8 @@ pub enum Disturbance {
 
 /// Sees a run. Every method does nothing unless written.
 pub trait Observer {
-    /// Whether [`Observer::sample`] is wanted; a run without it is faster.
-    const SAMPLES: bool = false;
+    /// What it wants to know of samples.
+    const SAMPLING: Sampling = Sampling::Untold;
 
     /// The star point of the bus changed to `level`.
     fn bus(&mut self, at: Time, level: Level) {
@@ -244,6 +288,11 @@ pub trait Observer {
     /// A node sampled a bit.
     fn sample(&mut self, at: Time, node: NodeId, sample: &Sample) {
         let _ = (at, node, sample);
+    }
+
+    /// A node sampled some bits.
+    fn samples(&mut self, node: NodeId, run: &SampleRun) {
+        let _ = (node, run);
     }
 
     /// Something happened in a node.
@@ -268,8 +317,17 @@ pub struct Blind;
 
 impl Observer for Blind {}
 
+/// Tells of a sample in its time, in the way that the observer wants.
+pub(crate) fn tell<O: Observer>(observer: &mut O, at: Time, node: NodeId, sample: &Sample) {
+    match O::SAMPLING {
+        Sampling::Untold => {}
+        Sampling::InRuns => observer.samples(node, &SampleRun::one(at, *sample)),
+        Sampling::InTime => observer.sample(at, node, sample),
+    }
+}
+
 impl<A: Observer, B: Observer> Observer for (A, B) {
-    const SAMPLES: bool = A::SAMPLES || B::SAMPLES;
+    const SAMPLING: Sampling = A::SAMPLING.and(B::SAMPLING);
 
     fn bus(&mut self, at: Time, level: Level) {
         self.0.bus(at, level);
@@ -282,12 +340,13 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
     }
 
     fn sample(&mut self, at: Time, node: NodeId, sample: &Sample) {
-        if A::SAMPLES {
-            self.0.sample(at, node, sample);
-        }
-        if B::SAMPLES {
-            self.1.sample(at, node, sample);
-        }
+        tell(&mut self.0, at, node, sample);
+        tell(&mut self.1, at, node, sample);
+    }
+
+    fn samples(&mut self, node: NodeId, run: &SampleRun) {
+        self.0.samples(node, run);
+        self.1.samples(node, run);
     }
 
     fn event(&mut self, at: Time, node: NodeId, event: &Event) {
@@ -307,7 +366,7 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
 }
 
 impl<O: Observer> Observer for &mut O {
-    const SAMPLES: bool = O::SAMPLES;
+    const SAMPLING: Sampling = O::SAMPLING;
 
     fn bus(&mut self, at: Time, level: Level) {
         (**self).bus(at, level);
@@ -319,6 +378,10 @@ impl<O: Observer> Observer for &mut O {
 
     fn sample(&mut self, at: Time, node: NodeId, sample: &Sample) {
         (**self).sample(at, node, sample);
+    }
+
+    fn samples(&mut self, node: NodeId, run: &SampleRun) {
+        (**self).samples(node, run);
     }
 
     fn event(&mut self, at: Time, node: NodeId, event: &Event) {

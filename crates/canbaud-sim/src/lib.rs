@@ -28,6 +28,7 @@ pub use bus::Transceiver;
 pub use clock::{Clock, ClockError, Quantum, Tick};
 pub use event::{
     Blind, Disturbance, ErrorKind, Event, FaultState, NodeId, Observer, Place, Role, Rule, Sample,
+    SampleRun, Sampling,
 };
 pub use node::{
     FaultConfinement, FdSupport, Gate, Mode, MonitoringCounters, Node, NodeConfig, Oscillator,

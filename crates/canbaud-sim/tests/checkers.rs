@@ -5,13 +5,15 @@ mod common;
 use canbaud::wire::Level;
 use canbaud_sim::check::Checker;
 use canbaud_sim::{
-    ErrorKind, Event, FaultState, Mode, NodeId, Observer, Place, Role, Rule, Sample, Simulation,
-    Span, Time,
+    ErrorKind, Event, FaultState, Mode, NodeId, Observer, Place, Role, Rule, Sample, SampleRun,
+    Simulation, Span, Time,
 };
 use common::{data, node};
 
 const A: NodeId = NodeId(0);
 const MONITOR: NodeId = NodeId(1);
+/// From TXD to the star point.
+const DELAY: Span = Span::from_ns(60);
 
 /// What the checkers say of `lie` on an idle bus of two nodes, the second one monitoring.
 fn caught(lie: impl FnOnce(&mut Checker, Time)) -> String {
@@ -54,8 +56,24 @@ fn driver_that_the_bus_does_not_follow_is_caught() {
 
 #[test]
 fn sample_that_is_not_the_level_at_rxd_is_caught() {
-    let said = caught(|checker, now| checker.sample(now, A, &sampled(Level::Dominant)));
+    let said = caught(|checker, now| {
+        checker.samples(A, &SampleRun::one(now, sampled(Level::Dominant)));
+    });
     assert!(said.contains("samples Dominant where"), "{said}");
+}
+
+#[test]
+fn edge_that_a_run_of_samples_leaves_out_is_caught() {
+    let said = caught(|checker, now| {
+        let last = now + Span::from_us(6);
+        checker.txd(now, A, Level::Dominant);
+        checker.bus(now + DELAY, Level::Dominant);
+        checker.txd(now + Span::from_us(2), A, Level::Recessive);
+        checker.bus(now + Span::from_us(2) + DELAY, Level::Recessive);
+        let run = SampleRun { first: now, last, bits: 4, sample: sampled(Level::Recessive) };
+        checker.samples(MONITOR, &run);
+    });
+    assert!(said.contains("samples 4 bits without the edge among them"), "{said}");
 }
 
 #[test]

@@ -3,10 +3,13 @@
 
 mod common;
 
+use std::collections::BTreeMap;
+use std::marker::PhantomData;
+
 use canbaud::wire::{FdCrc, Level};
 use canbaud_sim::{
     BitTiming, Event, FdSupport, Gate, Mode, NodeConfig, NodeId, Observer, Pace, Rng, Sample,
-    Simulation, Span, Stop, Tdc, Time, Transceiver,
+    SampleRun, Sampling, Simulation, Span, Stop, Tdc, Time, Transceiver,
 };
 use common::{any_frame, data, node};
 
@@ -17,14 +20,39 @@ enum Told {
     Txd(Time, NodeId, Level),
     Event(Time, NodeId, Event),
     Sample(Time, NodeId, Sample),
+    Samples(NodeId, SampleRun),
+}
+
+/// What of samples an observer wants to be told.
+trait Wish {
+    const SAMPLING: Sampling;
+}
+
+#[derive(Default)]
+struct Untold;
+#[derive(Default)]
+struct InRuns;
+#[derive(Default)]
+struct InTime;
+
+impl Wish for Untold {
+    const SAMPLING: Sampling = Sampling::Untold;
+}
+
+impl Wish for InRuns {
+    const SAMPLING: Sampling = Sampling::InRuns;
+}
+
+impl Wish for InTime {
+    const SAMPLING: Sampling = Sampling::InTime;
 }
 
 /// Everything that it is told, in order; samples only if it wants them.
 #[derive(Default)]
-struct All<const SAMPLES: bool>(Vec<Told>);
+struct All<W>(Vec<Told>, PhantomData<W>);
 
-impl<const SAMPLES: bool> Observer for All<SAMPLES> {
-    const SAMPLES: bool = SAMPLES;
+impl<W: Wish> Observer for All<W> {
+    const SAMPLING: Sampling = W::SAMPLING;
 
     fn bus(&mut self, at: Time, level: Level) {
         self.0.push(Told::Bus(at, level));
@@ -38,6 +66,10 @@ impl<const SAMPLES: bool> Observer for All<SAMPLES> {
         self.0.push(Told::Sample(at, node, *sample));
     }
 
+    fn samples(&mut self, node: NodeId, run: &SampleRun) {
+        self.0.push(Told::Samples(node, *run));
+    }
+
     fn event(&mut self, at: Time, node: NodeId, event: &Event) {
         self.0.push(Told::Event(at, node, event.clone()));
     }
@@ -47,14 +79,14 @@ impl<const SAMPLES: bool> Observer for All<SAMPLES> {
 type SetUp = fn(&mut Simulation, &mut Rng) -> Vec<NodeId>;
 
 /// What a run comes to: what is told, and what the nodes say of themselves in the end.
-fn run<const SAMPLES: bool>(seed: u64, pace: Pace, set_up: SetUp) -> (Vec<Told>, String) {
+fn run<W: Wish + Default>(seed: u64, pace: Pace, set_up: SetUp) -> (Vec<Told>, String) {
     let mut sim = Simulation::new(seed);
     sim.set_pace(pace);
     let mut rng = Rng::new(seed);
     let ids = set_up(&mut sim, &mut rng);
     let slices = [Span::from_us(500), Span::from_ns(1_750), Span::from_ms(20)];
     let slice = slices[rng.below(3) as usize];
-    let mut all = All::<SAMPLES>::default();
+    let mut all = All::<W>::default();
     while sim.now() < Time::ZERO + Span::from_ms(20) {
         if sim.run(sim.now() + slice, &mut all) == Stop::News {
             for (at, _, event) in sim.take_news() {
@@ -72,23 +104,67 @@ fn run<const SAMPLES: bool>(seed: u64, pace: Pace, set_up: SetUp) -> (Vec<Told>,
     (all.0, ids.iter().map(node).collect())
 }
 
-fn is_sample(told: &&Told) -> bool {
-    matches!(told, Told::Sample(..))
+fn is_no_sample(told: &&Told) -> bool {
+    !matches!(told, Told::Sample(..) | Told::Samples(..))
+}
+
+/// Each sample of each node, out of the plain run.
+fn samples_of(plain: &[Told]) -> BTreeMap<NodeId, Vec<(Time, Sample)>> {
+    let mut nodes = BTreeMap::<_, Vec<_>>::new();
+    for told in plain {
+        if let Told::Sample(at, node, sample) = told {
+            nodes.entry(*node).or_default().push((*at, *sample));
+        }
+    }
+    nodes
+}
+
+/// Runs of a node are its samples one after the other, and come before what the node does next.
+fn compare_runs(plain: &[Told], told: &[Told], seed: u64) {
+    let samples = samples_of(plain);
+    let mut done = BTreeMap::<NodeId, usize>::new();
+    for one in told {
+        match one {
+            Told::Samples(node, run) => {
+                let from = done.entry(*node).or_default();
+                let these = &samples[node][*from..*from + run.bits as usize];
+                *from += these.len();
+                let (first, last) = (these[0], these[these.len() - 1]);
+                assert_eq!((run.first, run.last), (first.0, last.0), "seed {seed}: {run:?}");
+                assert!(these.iter().all(|(_, one)| *one == run.sample), "seed {seed}: {run:?}");
+            }
+            Told::Txd(at, node, _) | Told::Event(at, node, _) => {
+                // A change of TXD between two samples of a run that is told later is no surprise.
+                let event = matches!(one, Told::Event(..));
+                let next = samples[node].get(done.get(node).copied().unwrap_or(0));
+                let late = event && next.is_some_and(|(next, _)| next < at);
+                assert!(!late, "seed {seed}: {one:?} before {next:?}");
+            }
+            Told::Bus(..) | Told::Sample(..) => {}
+        }
+    }
+    let told: BTreeMap<_, _> = samples.iter().map(|(node, all)| (*node, all.len())).collect();
+    assert_eq!(told, done, "seed {seed}: samples of each node");
 }
 
 /// Compares a run with and without samples with the plain one; returns how much was told.
 fn compare(seed: u64, set_up: SetUp) -> usize {
-    let (plain, end) = run::<true>(seed, Pace::EveryBit, set_up);
-    let (sampled, sampled_end) = run::<true>(seed, Pace::Ahead, set_up);
-    let differs = plain.iter().zip(&sampled).position(|(a, b)| a != b);
-    assert_eq!(differs.map(|at| (&plain[at], &sampled[at])), None, "seed {seed}");
-    assert_eq!((plain.len(), &end), (sampled.len(), &sampled_end), "seed {seed}");
+    let (plain, end) = run::<InTime>(seed, Pace::EveryBit, set_up);
+    let (in_time, in_time_end) = run::<InTime>(seed, Pace::Ahead, set_up);
+    let differs = plain.iter().zip(&in_time).position(|(a, b)| a != b);
+    assert_eq!(differs.map(|at| (&plain[at], &in_time[at])), None, "seed {seed}");
+    assert_eq!((plain.len(), &end), (in_time.len(), &in_time_end), "seed {seed}");
 
-    let (told, told_end) = run::<false>(seed, Pace::Ahead, set_up);
-    let mut pairs = plain.iter().filter(|told| !is_sample(told)).zip(&told);
-    assert_eq!(pairs.find(|(a, b)| a != b), None, "seed {seed}, without samples");
-    let count = plain.iter().filter(|told| !is_sample(told)).count();
-    assert_eq!((count, &end), (told.len(), &told_end), "seed {seed}, without samples");
+    let (untold, untold_end) = run::<Untold>(seed, Pace::Ahead, set_up);
+    let (in_runs, in_runs_end) = run::<InRuns>(seed, Pace::Ahead, set_up);
+    let count = plain.iter().filter(is_no_sample).count();
+    for (told, told_end) in [(&untold, untold_end), (&in_runs, in_runs_end)] {
+        let (ours, theirs) = (plain.iter().filter(is_no_sample), told.iter().filter(is_no_sample));
+        assert_eq!(ours.zip(theirs).find(|(a, b)| a != b), None, "seed {seed}");
+        assert_eq!(told.iter().filter(is_no_sample).count(), count, "seed {seed}");
+        assert_eq!(told_end, end, "seed {seed}");
+    }
+    compare_runs(&plain, &in_runs, seed);
     count
 }
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use canbaud::wire::{FdCrc, Frame, FrameKind, Id, Level};
-use canbaud_sim::{Event, Mode, NodeId, Observer, Rng, Sample, Simulation, Span, Time};
+use canbaud_sim::{Event, Mode, NodeId, Observer, Rng, Sample, Sampling, Simulation, Span, Time};
 use common::node;
 
 /// What one node samples and accepts.
@@ -19,7 +19,7 @@ struct Ear {
 }
 
 impl Observer for Ear {
-    const SAMPLES: bool = true;
+    const SAMPLING: Sampling = Sampling::InTime;
 
     fn sample(&mut self, _: Time, node: NodeId, sample: &Sample) {
         if node == self.node {

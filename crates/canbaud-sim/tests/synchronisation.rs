@@ -5,8 +5,8 @@ mod common;
 
 use canbaud::wire::{Frame, FrameKind, Id, Level};
 use canbaud_sim::{
-    BitTiming, Blind, NodeConfig, NodeId, Observer, Sample, Simulation, Span, SyncOutcome, Time,
-    Transceiver,
+    BitTiming, Blind, NodeConfig, NodeId, Observer, Sample, Sampling, Simulation, Span,
+    SyncOutcome, Time, Transceiver,
 };
 use common::node;
 
@@ -22,7 +22,7 @@ const SAMPLE: i64 = 1 + PROP_SEG + PHASE_SEG1;
 struct Samples(Vec<(Time, Level)>);
 
 impl Observer for Samples {
-    const SAMPLES: bool = true;
+    const SAMPLING: Sampling = Sampling::InTime;
     fn sample(&mut self, at: Time, _: NodeId, sample: &Sample) {
         self.0.push((at, sample.level));
     }

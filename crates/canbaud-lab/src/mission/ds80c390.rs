@@ -3,7 +3,9 @@
 use canbaud::fault::{ErrorConfinement, FlagCause, Occurrence, Role, State};
 use canbaud::timing::tables::{DS80C390, Ds80c390Misprint};
 use canbaud_sim::scenario::{Run, Scenario};
-use canbaud_sim::{ErrorKind, Event, FaultState, NodeConfig, NodeId, Observer, Rule, Sample, Time};
+use canbaud_sim::{
+    ErrorKind, Event, FaultState, NodeConfig, NodeId, Observer, Rule, Sample, Sampling, Time,
+};
 
 use super::finding::{Finding, cells};
 
@@ -58,7 +60,7 @@ impl Follower {
 }
 
 impl Observer for Follower {
-    const SAMPLES: bool = true;
+    const SAMPLING: Sampling = Sampling::InTime;
 
     fn sample(&mut self, _: Time, node: NodeId, sample: &Sample) {
         self.nodes[node.0].bit(sample.level);

@@ -3,7 +3,7 @@
 use canbaud::wire::Level;
 
 use super::Findings;
-use crate::event::{ErrorKind, Event, FaultState, NodeId, Place, Role, Rule, Sample};
+use crate::event::{ErrorKind, Event, FaultState, NodeId, Place, Role, Rule, Sample, SampleRun};
 use crate::node::{Mode, MonitoringCounters, Node, NodeConfig};
 use crate::time::Time;
 
@@ -113,8 +113,17 @@ impl Counters {
         }
     }
 
-    /// Follows the flag with the bit just sampled.
-    pub(super) fn sample(&mut self, sample: &Sample) {
+    /// Follows the flag with the bits just sampled.
+    pub(super) fn samples(&mut self, run: &SampleRun) {
+        for _ in 0..run.bits {
+            if self.flag == Flag::None && !self.bus_off {
+                return;
+            }
+            self.sample(&run.sample);
+        }
+    }
+
+    fn sample(&mut self, sample: &Sample) {
         let dominant = sample.level == Level::Dominant;
         if self.bus_off {
             self.recessive_run = if dominant { 0 } else { self.recessive_run + 1 };

@@ -78,9 +78,9 @@ impl Cursor<'_> {
     /// The next bit; its start is taken from an edge to dominant that lies near.
     fn bit(&mut self) -> u8 {
         let length = if self.fast { self.timing.data } else { self.timing.nominal };
-        // The last edge before a run of five bits still says what their level is.
-        let long_ago = self.at - 8.0 * self.timing.nominal;
-        while self.edges.get(self.past + 1).is_some_and(|(at, _)| *at < long_ago) {
+        // The last edge before the bit says what its level is.
+        let before = self.at - 0.5 * length;
+        while self.edges.get(self.past + 1).is_some_and(|(at, _)| *at < before) {
             self.past += 1;
         }
         let mut around =

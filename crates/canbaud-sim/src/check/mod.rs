@@ -10,7 +10,7 @@ mod wire;
 
 use canbaud::wire::Level;
 
-use crate::event::{Disturbance, Event, NodeId, Observer, Sample};
+use crate::event::{Disturbance, Event, NodeId, Observer, SampleRun, Sampling};
 use crate::node::NodeConfig;
 use crate::simulation::Simulation;
 use crate::time::Time;
@@ -133,7 +133,7 @@ impl Checker {
 }
 
 impl Observer for Checker {
-    const SAMPLES: bool = true;
+    const SAMPLING: Sampling = Sampling::InRuns;
 
     fn bus(&mut self, at: Time, level: Level) {
         self.wire.bus(at, level, &mut self.findings);
@@ -146,9 +146,9 @@ impl Observer for Checker {
         self.counters[node.0].txd(at, node, level, &mut self.findings);
     }
 
-    fn sample(&mut self, at: Time, node: NodeId, sample: &Sample) {
-        self.wire.sample(at, node, sample, &mut self.findings);
-        self.counters[node.0].sample(sample);
+    fn samples(&mut self, node: NodeId, run: &SampleRun) {
+        self.wire.samples(node, run, &mut self.findings);
+        self.counters[node.0].samples(run);
     }
 
     fn event(&mut self, at: Time, node: NodeId, event: &Event) {

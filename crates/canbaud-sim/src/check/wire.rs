@@ -6,7 +6,7 @@ use canbaud::wire::Level;
 
 use super::Findings;
 use crate::bus::Transceiver;
-use crate::event::{Disturbance, NodeId, Sample};
+use crate::event::{Disturbance, NodeId, SampleRun};
 use crate::node::{Gate, Mode, NodeConfig};
 use crate::time::Time;
 
@@ -76,6 +76,14 @@ impl Ear {
         }
         (jitter.femtoseconds() == 0 || time > self.open_until).then_some(self.level)
     }
+
+    /// Whether an edge is sure to come in after `first`, at which the level was asked for, and
+    /// before `last`.
+    fn comes_between(&self, first: Time, last: Time) -> bool {
+        let jitter = self.transceiver.jitter;
+        let sure = |at: &Time| *at > first + jitter && *at + jitter < last;
+        self.coming.iter().map(|(at, _)| at).take_while(|at| **at < last).any(sure)
+    }
 }
 
 /// Checks levels at the star point and at every sample.
@@ -83,6 +91,8 @@ impl Ear {
 pub(super) struct Wire {
     transceivers: Vec<Transceiver>,
     nodes: Vec<Driver>,
+    /// When the first of what is coming from the nodes is there.
+    due: Time,
     ears: Vec<Ear>,
     disturbing: i64,
     shorts: i64,
@@ -99,6 +109,7 @@ impl Wire {
         Self {
             transceivers: configs.iter().map(|config| config.transceiver).collect(),
             nodes: configs.iter().map(|_| Driver::default()).collect(),
+            due: Time::NEVER,
             ears: configs.iter().map(|config| Ear::new(config, Level::Recessive)).collect(),
             disturbing: 0,
             shorts: 0,
@@ -114,24 +125,30 @@ impl Wire {
         self.bits
     }
 
-    fn wired_and(&mut self, now: Time) -> Level {
-        let mut dominant = self.disturbing > 0;
-        for node in &mut self.nodes {
-            while let Some(&(_, to)) = node.coming.front().filter(|(at, _)| *at <= now) {
-                node.coming.pop_front();
-                node.dominant = to;
+    /// What all drivers make at `now`, and how many change just then.
+    fn wired_and(&mut self, now: Time) -> (Level, usize) {
+        let mut changing = 0;
+        if self.due <= now {
+            self.due = Time::NEVER;
+            for node in &mut self.nodes {
+                while let Some(&(at, to)) = node.coming.front().filter(|(at, _)| *at <= now) {
+                    node.coming.pop_front();
+                    node.dominant = to;
+                    changing += usize::from(at == now);
+                }
+                self.due = self.due.min(node.coming.front().map_or(Time::NEVER, |(at, _)| *at));
             }
-            dominant |= node.dominant;
         }
-        if dominant && self.shorts == 0 { Level::Dominant } else { Level::Recessive }
+        let dominant = self.disturbing > 0 || self.nodes.iter().any(|node| node.dominant);
+        let level = if dominant && self.shorts == 0 { Level::Dominant } else { Level::Recessive };
+        (level, changing)
     }
 
     /// Nothing may have changed at the star point strictly before `now` without being told.
     fn settle_before(&mut self, now: Time, findings: &mut Findings) {
-        let due = self.nodes.iter().any(|n| n.coming.front().is_some_and(|(at, _)| *at < now));
-        if due {
+        if self.due < now {
             let just_before = now - crate::time::Span::from_fs(1);
-            let want = self.wired_and(just_before);
+            let (want, _) = self.wired_and(just_before);
             if want != self.bus {
                 let what = format!("stays {:?} where all drivers make {want:?}", self.bus);
                 findings.add(now, None, what);
@@ -142,11 +159,10 @@ impl Wire {
 
     pub(super) fn bus(&mut self, at: Time, level: Level, findings: &mut Findings) {
         self.settle_before(at, findings);
-        // Where several drivers change in this same femtosecond, the bus may blink in between.
-        let changing = self.nodes.iter().filter(|n| n.coming.iter().any(|(t, _)| *t == at)).count();
-        let want = self.wired_and(at);
+        let (want, changing) = self.wired_and(at);
         if self.crowded_at != at {
             self.crowded_at = at;
+            // Where several drivers change in this same femtosecond, the bus may blink in between.
             self.crowded = changing > 1 || self.disturbed_at == Some(at);
         }
         if want != level && !self.crowded {
@@ -173,6 +189,7 @@ impl Wire {
             }
             Some(_) | None => coming.push_back((arrival, level == Level::Dominant)),
         }
+        self.due = self.due.min(arrival);
     }
 
     pub(super) fn disturbed(
@@ -199,29 +216,36 @@ impl Wire {
         driver.coming.clear();
         if driver.dominant {
             driver.coming.push_back((at, false));
+            self.due = self.due.min(at);
         }
         self.ears[node.0] = Ear::new(config, self.bus);
     }
 
-    pub(super) fn sample(
-        &mut self,
-        at: Time,
-        node: NodeId,
-        sample: &Sample,
-        findings: &mut Findings,
-    ) {
-        self.bits += 1;
+    pub(super) fn samples(&mut self, node: NodeId, run: &SampleRun, findings: &mut Findings) {
+        self.bits += u64::from(run.bits);
+        let sample = &run.sample;
         let ear = &mut self.ears[node.0];
-        let mut want = ear.level_at(at);
-        if ear.forced.is_some() {
-            want = ear.forced;
+        let constant = match ear.forced {
+            _ if ear.hears_itself && sample.driven == Level::Dominant => Some(Level::Dominant),
+            forced => forced,
+        };
+        let (first, whole, last) = match constant {
+            Some(level) => (Some(level), true, Some(level)),
+            None if run.bits == 1 => (ear.level_at(run.first), true, None),
+            None => {
+                let first = ear.level_at(run.first);
+                (first, !ear.comes_between(run.first, run.last), ear.level_at(run.last))
+            }
+        };
+        for (at, want) in [(run.first, first), (run.last, last)] {
+            if want.is_some_and(|want| want != sample.level) {
+                let what = format!("samples {:?} where {want:?} came in", sample.level);
+                findings.add(at, Some(node), what);
+            }
         }
-        if ear.hears_itself && sample.driven == Level::Dominant {
-            want = Some(Level::Dominant);
-        }
-        if want.is_some_and(|want| want != sample.level) {
-            let what = format!("samples {:?} where {want:?} came in", sample.level);
-            findings.add(at, Some(node), what);
+        if !whole {
+            let what = format!("samples {} bits without the edge among them", run.bits);
+            findings.add(run.last, Some(node), what);
         }
     }
 }

@@ -10,7 +10,7 @@ use super::late::Samples;
 use super::protocol::{Alone, Score};
 use crate::bus::{Edge, EdgeLog};
 use crate::clock::Tick;
-use crate::event::Sample;
+use crate::event::{Sample, SampleRun};
 use crate::time::{Span, Time};
 
 /// Bits before the CRC delimiter that are not planned: receivers may be ahead of the sender, and
@@ -161,15 +161,24 @@ impl Node {
         self.protocol.score(&plan.alone)
     }
 
+    fn tell_plan<S: Samples>(&self, plan: &Plan, samples: &mut S) {
+        let (mut tick, mut bit) = (self.bit.origin(), 0);
+        while bit < plan.bits {
+            let level = self.protocol.level_ahead(bit);
+            let equal = |bit: &u32| self.protocol.level_ahead(*bit) == level;
+            let bits = (bit..plan.bits).take_while(equal).fold(0, |count, _| count + 1);
+            let first = self.bit.bits_after(tick, 1).time();
+            tick = self.bit.bits_after(tick, bits);
+            let sample = Sample { level, driven: level, busy: true };
+            samples.take(SampleRun { first, last: tick.time(), bits, sample });
+            bit += bits;
+        }
+    }
+
     /// Does what was planned; `log` has the edges still.
     pub(crate) fn send_alone<S: Samples>(&mut self, plan: Plan, log: &EdgeLog, samples: &mut S) {
         if S::WANTED {
-            let mut tick = self.bit.origin();
-            for bit in 0..plan.bits {
-                tick = self.bit.bits_after(tick, 1);
-                let level = self.protocol.level_ahead(bit);
-                samples.take(tick.time(), Sample { level, driven: level, busy: true });
-            }
+            self.tell_plan(&plan, samples);
         }
         self.bit.go_by(plan.last, plan.end, plan.last_sync);
         self.corners = plan.corners;

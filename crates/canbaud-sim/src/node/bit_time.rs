@@ -253,13 +253,11 @@ impl BitTime {
         self.begin_after(last, next);
     }
 
-    /// Past all sample points before `limit`, no edge coming in between: calls `sampled` with each
-    /// and returns how many they are.
+    /// Past all sample points before `limit`, no edge coming in between; returns how many they are.
     #[inline]
-    pub(crate) fn pass(&mut self, limit: Time, mut sampled: impl FnMut(Time)) -> u32 {
+    pub(crate) fn pass(&mut self, limit: Time) -> u32 {
         let (mut last, mut next, mut count) = (self.at.origin, self.at.sample, 0);
         while next.time() < limit {
-            sampled(next.time());
             last = next;
             next = self.clock.next(next, &self.segments().bits[1]);
             count += 1;

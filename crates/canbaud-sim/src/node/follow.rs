@@ -7,7 +7,7 @@ use super::core::Node;
 use super::late::Samples;
 use super::protocol::Score;
 use crate::bus::EdgeLog;
-use crate::event::Sample;
+use crate::event::{Sample, SampleRun};
 use crate::time::Time;
 
 impl Node {
@@ -54,7 +54,12 @@ impl Node {
         }
         self.rxd.come_to(come, level);
         let before = self.bit.sample();
-        let last = bit + self.bit.pass(limit, |at| samples.take(at, heard(level)));
+        let bits = self.bit.pass(limit);
+        if S::WANTED && bits > 0 {
+            let last = self.bit.origin().time();
+            samples.take(SampleRun { first: before, last, bits, sample: heard(level) });
+        }
+        let last = bit + bits;
         if before < limit {
             self.synchronised = level == Level::Dominant;
         }
@@ -86,12 +91,12 @@ impl Node {
         samples: &mut S,
     ) -> bool {
         if bits > 0 {
-            if S::WANTED {
-                let from = self.bit.sample_tick();
-                let ticks = (0..bits).map(|bit| self.bit.bits_after(from, bit));
-                ticks.for_each(|tick| samples.take(tick.time(), heard(level)));
-            }
+            let first = self.bit.sample();
             self.bit.skip(bits);
+            if S::WANTED {
+                let last = self.bit.origin().time();
+                samples.take(SampleRun { first, last, bits, sample: heard(level) });
+            }
             self.synchronised = level == Level::Dominant;
         }
         self.bit.origin().time() < at && at <= self.bit.sample()

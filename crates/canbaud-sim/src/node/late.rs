@@ -8,7 +8,7 @@ use super::corners::SyncCorners;
 use super::protocol::Reading;
 use super::sampling::Rxd;
 use crate::bus::EdgeLog;
-use crate::event::Sample;
+use crate::event::{Sample, SampleRun};
 use crate::time::Time;
 
 /// Takes the samples of bits that are read many at a time.
@@ -16,8 +16,8 @@ pub(crate) trait Samples {
     /// Whether anybody looks at them.
     const WANTED: bool;
 
-    /// A sample of one of the bits that come next.
-    fn take(&mut self, at: Time, sample: Sample);
+    /// The bits that come next.
+    fn take(&mut self, run: SampleRun);
 
     /// All that were taken are to be taken again.
     fn forget(&mut self);
@@ -33,16 +33,16 @@ impl Samples for Unseen {
     const WANTED: bool = false;
 
     #[inline]
-    fn take(&mut self, _: Time, _: Sample) {}
+    fn take(&mut self, _: SampleRun) {}
 
     fn forget(&mut self) {}
 }
 
-impl Samples for Vec<(Time, Sample)> {
+impl Samples for Vec<SampleRun> {
     const WANTED: bool = true;
 
-    fn take(&mut self, at: Time, sample: Sample) {
-        self.push((at, sample));
+    fn take(&mut self, run: SampleRun) {
+        self.push(run);
     }
 
     fn forget(&mut self) {
@@ -144,12 +144,12 @@ impl Node {
         let (busy, driven) = (self.protocol.is_busy(), Level::Recessive);
         let mut coming = if self.is_deaf() { SILENCE } else { self.rxd.coming(log) };
         loop {
-            let sample = self.bit.sample();
-            let next = coming.0.min(sample);
+            let sample_at = self.bit.sample();
+            let next = coming.0.min(sample_at);
             if next >= limit {
                 break;
             }
-            if coming.0 <= sample {
+            if coming.0 <= sample_at {
                 coming = self.let_in(coming, log);
                 // A pulse that the asymmetry eats up is no edge.
                 if self.rxd.level() == Level::Dominant && !self.synchronised {
@@ -159,9 +159,12 @@ impl Node {
             }
             let level = if self.is_deaf() { Level::Recessive } else { self.rxd.level() };
             let from = self.bit.sample_tick();
-            let bits = self.bit.pass(coming.0.min(limit), |at| {
-                samples.take(at, Sample { level, driven, busy });
-            });
+            let bits = self.bit.pass(coming.0.min(limit));
+            if S::WANTED && bits > 0 {
+                let last = self.bit.origin().time();
+                let sample = Sample { level, driven, busy };
+                samples.take(SampleRun { first: sample_at, last, bits, sample });
+            }
             let quiet = self.protocol.read_quiet(level, bits);
             if quiet < bits {
                 return Some(self.bit.bits_after(from, quiet).time());

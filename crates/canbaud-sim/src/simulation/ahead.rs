@@ -6,7 +6,7 @@
 
 use super::Simulation;
 use crate::bus::EdgeLog;
-use crate::event::{NodeId, Observer, Sample};
+use crate::event::{NodeId, Observer, SampleRun, Sampling};
 use crate::node::{Before, Change, Node, Plan, Samples, Score, Unseen};
 use crate::time::{Span, Time};
 
@@ -16,8 +16,8 @@ pub(super) struct Ahead {
     changes: Vec<Change>,
     /// Listeners, and what they were before they read.
     listeners: Vec<(usize, Before)>,
-    /// The samples of each node, if the observer wants them.
-    samples: Vec<Vec<(Time, Sample)>>,
+    /// What each node sampled, if the observer wants to know.
+    samples: Vec<Vec<SampleRun>>,
     /// The listener that read something last time that came to something: it reads first.
     suspect: usize,
     /// Not again before this time.
@@ -86,7 +86,7 @@ impl Simulation {
     /// Lets all listeners read up to `end`. Returns when something comes of it before that; all
     /// are back where they were then.
     fn listen<O: Observer>(&mut self, end: Time, score: &Score, head: u64) -> Option<Time> {
-        if O::SAMPLES {
+        if O::SAMPLING == Sampling::InRuns {
             self.ahead.samples.resize_with(self.nodes.len(), Vec::new);
             self.ahead.samples.iter_mut().for_each(Vec::clear);
         }
@@ -94,7 +94,7 @@ impl Simulation {
             let node = &mut self.nodes[*place];
             let heard =
                 Heard { score, changes: &self.ahead.changes, head, end, log: &self.line.log };
-            let trouble = if O::SAMPLES {
+            let trouble = if O::SAMPLING == Sampling::InRuns {
                 heard.by(node, before, &mut self.ahead.samples[*place])
             } else {
                 heard.by(node, before, &mut Unseen)
@@ -114,7 +114,7 @@ impl Simulation {
     fn follow<O: Observer>(&mut self, place: usize, plan: Plan, observer: &mut O) {
         let end = plan.end();
         let node = &mut self.nodes[place];
-        if O::SAMPLES {
+        if O::SAMPLING == Sampling::InRuns {
             node.send_alone(plan, &self.line.log, &mut self.ahead.samples[place]);
         } else {
             node.send_alone(plan, &self.line.log, &mut Unseen);
@@ -128,21 +128,17 @@ impl Simulation {
         self.now = self.now.max(end - Span::from_fs(1));
     }
 
-    /// Tells the observer what happened, in the order in which it did.
+    /// Tells the observer what happened: changes in the order in which they did, then what the
+    /// nodes sampled of them.
     fn tell<O: Observer>(&self, sender: usize, observer: &mut O) {
-        let mut told = SamplesInOrder::new(&self.ahead.samples);
         for change in &self.ahead.changes {
-            if O::SAMPLES {
-                told.before((change.at, sender), observer);
-            }
             observer.txd(change.at, NodeId(sender), change.to);
-            if O::SAMPLES {
-                told.before((change.star, 0), observer);
-            }
             observer.bus(change.star, change.to);
         }
-        if O::SAMPLES {
-            told.before((Time::NEVER, 0), observer);
+        if O::SAMPLING == Sampling::InRuns {
+            for (place, runs) in self.ahead.samples.iter().enumerate() {
+                runs.iter().for_each(|run| observer.samples(NodeId(place), run));
+            }
         }
     }
 }
@@ -167,39 +163,4 @@ impl Heard<'_> {
         node.go_back(before.clone());
         node.read(self.end, self.log, samples)
     }
-}
-
-/// The samples of all nodes by time, and by place where the times are the same.
-struct SamplesInOrder<'a> {
-    samples: &'a [Vec<(Time, Sample)>],
-    /// Samples of each node that were told, and the time of the next.
-    heads: Vec<(usize, Time)>,
-}
-
-impl<'a> SamplesInOrder<'a> {
-    fn new(samples: &'a [Vec<(Time, Sample)>]) -> Self {
-        let first = |samples: &Vec<(Time, Sample)>| (0, time_of(samples, 0));
-        Self { samples, heads: samples.iter().map(first).collect() }
-    }
-
-    /// Tells all samples that come before `key`: a time, and a place at that time.
-    fn before<O: Observer>(&mut self, key: (Time, usize), observer: &mut O) {
-        loop {
-            let (mut at, mut place) = (Time::NEVER, 0);
-            for (other, head) in self.heads.iter().enumerate() {
-                place = if head.1 < at { other } else { place };
-                at = at.min(head.1);
-            }
-            if (at, place) >= key {
-                return;
-            }
-            let told = self.heads[place].0;
-            observer.sample(at, NodeId(place), &self.samples[place][told].1);
-            self.heads[place] = (told + 1, time_of(&self.samples[place], told + 1));
-        }
-    }
-}
-
-fn time_of(samples: &[(Time, Sample)], index: usize) -> Time {
-    samples.get(index).map_or(Time::NEVER, |(at, _)| *at)
 }

@@ -5,15 +5,14 @@ use std::cmp::Reverse;
 use canbaud::wire::Level;
 
 use super::{Pace, Simulation, Stop};
-use crate::event::{NodeId, Observer};
+use crate::event::{NodeId, Observer, Sampling, tell};
 use crate::node::Step;
 use crate::time::{Span, Time};
 
 impl Simulation {
     /// Runs until `until`, or until a watched node has news.
     pub fn run<O: Observer>(&mut self, until: Time, observer: &mut O) -> Stop {
-        // Whoever wants samples wants them in time.
-        let late = self.pace == Pace::Ahead && !O::SAMPLES;
+        let late = self.pace == Pace::Ahead && O::SAMPLING == Sampling::Untold;
         for node in &mut self.nodes {
             node.set_late_reading(late);
         }
@@ -115,9 +114,7 @@ impl Simulation {
         match step {
             Step::Quiet => {}
             Step::Sampled(sample) => {
-                if O::SAMPLES {
-                    observer.sample(now, NodeId(place), &sample);
-                }
+                tell(observer, now, NodeId(place), &sample);
             }
             Step::Txd(level) => self.drive(place, level, observer),
         }
@@ -129,6 +126,7 @@ impl Simulation {
         let sampled = matches!(step, Step::Sampled(_));
         sampled
             && self.pace == Pace::Ahead
+            && O::SAMPLING != Sampling::InTime
             && self.nodes[place].is_transmitting()
             && self.compute_ahead(place, until, observer)
     }
