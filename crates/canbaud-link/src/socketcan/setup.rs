@@ -149,11 +149,11 @@ fn settle(device: &Device) -> Duration {
 
 fn usable(link: &Link) -> Result<&CanInfo, LinkError> {
     let name = link.name.clone();
-    match (link.is_can(), link.kind.as_deref(), &link.can) {
-        (false, ..) => Err(LinkError::NotCan { name }),
-        (true, Some("vcan" | "vxcan"), _) => Err(LinkError::Virtual { name }),
-        (true, _, Some(can)) if can.timing_const.is_some() || !can.bitrates.is_empty() => Ok(can),
-        (true, ..) => Err(LinkError::NoListenOnly {
+    match (link.is_can(), &link.can) {
+        (false, _) => Err(LinkError::NotCan { name }),
+        (true, _) if link.is_virtual() => Err(LinkError::Virtual { name }),
+        (true, Some(can)) if can.timing_const.is_some() || !can.bitrates.is_empty() => Ok(can),
+        (true, _) => Err(LinkError::NoListenOnly {
             adapter: name,
             reason: "its driver takes neither bit rate nor control mode from the kernel".to_owned(),
         }),
