@@ -66,8 +66,10 @@ pub trait FrameBus {
         false
     }
 
-    /// What was set stays when the channel goes out of use.
-    fn keep(&mut self) {}
+    /// What was set stays when the channel goes out of use; whether there was anything to keep.
+    fn keep(&mut self) -> bool {
+        false
+    }
 
     /// Puts the channel back as it was found, unless it is kept; whether there was anything to put
     /// back.

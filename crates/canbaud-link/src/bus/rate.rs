@@ -57,9 +57,9 @@ impl Rate {
         [TimingInfo { sjw: found.sjw, ..timing }, timing]
     }
 
-    /// What it is set to now stays.
-    pub(super) const fn keep(&mut self) {
-        self.changed = false;
+    /// What it is set to now stays; whether that is another rate than it was found at.
+    pub(super) const fn keep(&mut self) -> bool {
+        std::mem::replace(&mut self.changed, false)
     }
 
     /// Puts it back; whether there was anything to put back.
@@ -156,8 +156,8 @@ mod tests {
         let kernel = Mock::up(CHOSEN);
         let mut rate = rate(&kernel);
         rate.set(bitrate(500_000)).unwrap();
-        rate.keep();
-        assert_eq!(rate.restore().unwrap(), false);
+        assert!(rate.keep());
+        assert!(!rate.restore().unwrap());
         drop(rate);
         assert_eq!(timing(&kernel).bitrate, 500_000);
     }

@@ -108,8 +108,8 @@ impl FrameBus for SocketCanBus {
         self.link().is_virtual()
     }
 
-    fn keep(&mut self) {
-        self.rate.keep();
+    fn keep(&mut self) -> bool {
+        self.rate.keep()
     }
 
     fn restore(&mut self) -> Result<bool, LinkError> {
