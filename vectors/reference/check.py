@@ -92,7 +92,7 @@ def runs_of(path, bit):
 
 
 def sampled_bits(runs, length, samples_per_bit):
-    """Classic bits by sampling in the middle, synchronised to every recessive-dominant edge."""
+    """Classic bits by sampling in the middle, synchronized to every recessive-dominant edge."""
     bits, starts = [], []
     for (at, level), (following, _) in zip(runs, runs[1:] + [(length, None)]):
         if level == 0 or not bits:

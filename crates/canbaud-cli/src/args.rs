@@ -53,8 +53,14 @@ Examples:
   canbaud detect -q captures/*              one line per file
   canbaud detect can0                       a live bus: listens only, puts the interface back
   canbaud detect slcan:/dev/ttyACM0         a serial adapter
+  canbaud detect replay:bus.sr              a recording plays the bus
   canbaud detect can0 --sweep 10k..1M --timeout 5min
   canbaud detect --json bus.sr              described by schemas/detect.schema.json
+
+Live buses:
+  can0, socketcan:NAME       an interface of Linux (a file called can0 goes first)
+  slcan:PORT, slcan:PORT@BAUD  a serial adapter: slcan:/dev/ttyACM0, slcan:COM3@1000000
+  replay:FILE, replay:FILE#CHANNEL  a recording in the place of a bus
 
 ",
     formats!()
@@ -123,7 +129,7 @@ pub(crate) enum When {
 /// `canbaud detect`.
 #[derive(Debug, Args)]
 pub(crate) struct DetectArgs {
-    /// Capture files; or one live bus: can0, slcan:/dev/ttyACM0, slcan:/dev/ttyUSB0@1000000
+    /// Capture files; or one live bus: can0, slcan:/dev/ttyACM0, replay:bus.sr
     #[arg(required = true, value_name = "SOURCE")]
     pub(crate) sources: Vec<PathBuf>,
 

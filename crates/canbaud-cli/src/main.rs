@@ -1,4 +1,5 @@
 //! The `canbaud` command.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod args;
 mod exit;
@@ -9,6 +10,8 @@ mod report;
 mod run;
 #[cfg(test)]
 mod schema;
+mod tell;
+mod values;
 
 use std::process::ExitCode;
 
@@ -17,6 +20,7 @@ use clap::error::ErrorKind;
 
 use args::{Cli, Command};
 use exit::Exit;
+use tell::tell;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -44,7 +48,7 @@ fn refuse(error: &clap::Error) -> Exit {
         if let Some(clap::error::ContextValue::String(given)) = given
             && std::path::Path::new(given).exists()
         {
-            eprintln!("\nhint: to find the bit rate of this file: canbaud detect {given}");
+            tell!("\nhint: to find the bit rate of this file: canbaud detect {given}");
         }
     }
     if error.use_stderr() { Exit::Usage } else { Exit::Found }

@@ -8,6 +8,11 @@ pub(crate) const SCAN: &str = include_str!("../../../schemas/scan.schema.json");
 pub(crate) const TIMING: &str = include_str!("../../../schemas/timing.schema.json");
 pub(crate) const DECODE: &str = include_str!("../../../schemas/decode.schema.json");
 
+pub(crate) const ADAPTERS: &str = include_str!("../../../schemas/adapters.schema.json");
+
+#[allow(dead_code, reason = "the tests of the command alone look at it")]
+pub(crate) const SIMULATE: &str = include_str!("../../../schemas/simulate.schema.json");
+
 #[allow(dead_code, reason = "the tests of the command alone look at it")]
 pub(crate) const LSS: &str = include_str!("../../../schemas/lss.schema.json");
 

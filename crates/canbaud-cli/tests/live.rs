@@ -63,6 +63,14 @@ impl Adapter {
     }
 }
 
+impl Drop for Adapter {
+    fn drop(&mut self) {
+        // It may have ended.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
 fn stdout(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
@@ -121,6 +129,23 @@ fn events_come_a_line_each_and_end_with_the_verdict() {
     assert_only_listened(&adapter.log());
 }
 
+/// A visit counts while it is under way, and as it is broken off.
+#[test]
+fn time_under_way_is_time_listened() {
+    let adapter = Adapter::start("40ms", &[]);
+    let args = ["--json", "--rates", "500k", "--timeout", "1s"];
+    let output = adapter.detect(&args).output().unwrap();
+    let text = stdout(&output);
+    let events: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let last = events.iter().rfind(|event| event["event"] == "evidence").unwrap();
+    let (t, listened) =
+        (last["t"].as_f64().unwrap(), last["standing"]["listened_s"].as_f64().unwrap());
+    assert!(listened > 0.0 && listened <= t, "{text}");
+    let verdict = events.last().unwrap();
+    let tried = verdict["tried"][0]["listened_s"].as_f64().unwrap();
+    assert!(tried > listened / 2.0 && tried <= verdict["elapsed_s"].as_f64().unwrap(), "{text}");
+}
+
 #[test]
 fn a_sweep_finds_a_rate_that_is_in_no_list() {
     let adapter = Adapter::start("5ms", &[]);
@@ -143,14 +168,100 @@ fn signals_in_mid_scan_close_the_channel() {
         for _ in 0..2 {
             events.find(|line| line.as_ref().unwrap().contains("\"listening\"")).unwrap().unwrap();
         }
-        let pid = child.id().to_string();
-        assert!(Command::new("kill").args(["-s", name, &pid]).status().unwrap().success());
+        signal(name, &child);
         let rest = std::thread::spawn(move || events.count());
         let status = child.wait().unwrap();
         rest.join().unwrap();
         assert_eq!(status.code(), Some(code), "SIG{name}");
         assert_only_listened(&adapter.log());
     }
+}
+
+fn signal(name: &str, process: &Child) {
+    let pid = process.id().to_string();
+    assert!(Command::new("kill").args(["-s", name, &pid]).status().unwrap().success());
+}
+
+/// Waits until it listens, and reads on so that nothing is held up.
+fn listens(child: &mut Child) -> std::thread::JoinHandle<usize> {
+    let mut events = BufReader::new(child.stdout.take().unwrap()).lines();
+    events.find(|line| line.as_ref().unwrap().contains("\"listening\"")).unwrap().unwrap();
+    std::thread::spawn(move || events.count())
+}
+
+#[test]
+fn a_signal_does_not_hide_that_the_adapter_was_not_put_back() {
+    let adapter = Adapter::start("50s", &[]);
+    let mut child = adapter.detect(&["--json", "--timeout", "never"]).spawn().unwrap();
+    let rest = listens(&mut child);
+    // It answers nothing any more.
+    signal("STOP", &adapter.process);
+    signal("INT", &child);
+    let output = child.wait_with_output().unwrap();
+    rest.join().unwrap();
+    let errors = stderr(&output);
+    assert_eq!(output.status.code(), Some(7), "{errors}");
+    assert!(errors.contains("could not be put back as it was found: "), "{errors}");
+    assert!(errors.contains("  hint: put it back by hand: "), "{errors}");
+    assert!(!errors.contains("; put back as it was found"), "{errors}");
+}
+
+#[test]
+fn what_was_put_back_is_said() {
+    let adapter = Adapter::start("50s", &[]);
+    let mut child = adapter.detect(&["--json", "--timeout", "never"]).spawn().unwrap();
+    let rest = listens(&mut child);
+    signal("TERM", &child);
+    let output = child.wait_with_output().unwrap();
+    rest.join().unwrap();
+    assert!(
+        stderr(&output).ends_with(": stopped by signal 15; put back as it was found\n"),
+        "{}",
+        stderr(&output)
+    );
+    assert_only_listened(&adapter.log());
+}
+
+/// Trap: printing to a pipe that nobody reads panics unless it is told not to.
+#[test]
+fn nobody_reads_what_is_printed_and_the_adapter_is_closed_all_the_same() {
+    for (redirections, code) in [
+        // Closed, a pipe without a reader, a full disk.
+        ("2>&-", 0),
+        (">&-", 0),
+        ("2>&- >&-", 0),
+        ("2> >(true)", 0),
+        ("> >(true)", 0),
+        ("2> >(true) > >(true)", 0),
+        ("2>/dev/full", 0),
+        (">/dev/full", 5),
+    ] {
+        if redirections.contains("/dev/full") && !std::path::Path::new("/dev/full").exists() {
+            continue;
+        }
+        let adapter = Adapter::start("5ms", &[]);
+        // The readers are gone when the scan begins.
+        let script =
+            format!("exec {redirections}; sleep 0.2; exec \"$0\" detect \"$1\" --rates 500k,250k");
+        let output = Command::new("bash")
+            .args(["-c", &script, env!("CARGO_BIN_EXE_canbaud"), &adapter.source])
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(code), "{redirections}: {}", stderr(&output));
+        assert_only_listened(&adapter.log());
+    }
+}
+
+#[test]
+fn a_program_that_reads_no_events_any_more_ends_the_scan() {
+    let adapter = Adapter::start("50s", &[]);
+    let mut child = adapter.detect(&["--json", "--timeout", "never"]).spawn().unwrap();
+    let mut events = BufReader::new(child.stdout.take().unwrap());
+    events.read_line(&mut String::new()).unwrap();
+    drop(events);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), stderr(&output)), (Some(0), String::new()));
+    assert_only_listened(&adapter.log());
 }
 
 #[test]

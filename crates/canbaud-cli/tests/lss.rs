@@ -56,7 +56,7 @@ fn a_dry_run_shows_the_frames() {
     wanted.extend(["7E5#1300090000000000", "7E5#1700000000000000", leave]);
     assert_eq!(dry(&[&["set-bitrate", "auto", "--store"][..], &address].concat()), wanted);
     assert_eq!(
-        dry(&["activate", "--delay", "1000", "--to", "500k"]),
+        dry(&["activate", "--delay", "1s", "--to", "500k"]),
         [enter, "7E5#15E8030000000000", leave]
     );
     let reserved = dry(&["set-bitrate", "index:5"]);
@@ -69,7 +69,10 @@ fn a_wrong_command_line_says_what_is_allowed() {
         (&["set-bitrate", "100k"][..], "1M, 800k, 500k, 250k, 125k, 50k, 20k, 10k, and auto"),
         (&["set-node-id", "128"], "1 to 127, and 255 for none"),
         (&["inquire", "--address", "1:2:3"], "four hexadecimal numbers"),
-        (&["set-bitrate", "index:5", "--activate", "100"], "stands for no bit rate to go along to"),
+        (
+            &["set-bitrate", "index:5", "--activate", "100ms"],
+            "stands for no bit rate to go along to",
+        ),
         (&["inquire", "--transmit", "--dry-run"], "cannot be used with"),
     ] {
         let dry = if words.contains(&"--dry-run") { "--json" } else { "--dry-run" };
@@ -141,6 +144,25 @@ lss = { vendor_id = 0x29C, product_code = 1, revision_number = 0x10002, serial_n
         }
     }
 
+    /// What was begun is done to its end: no device is left in configuration.
+    #[test]
+    fn nobody_reads_what_is_printed_and_all_is_done_all_the_same() {
+        for redirections in ["2>&- >&-", "2> >(true) > >(true)", "> >(true)"] {
+            let bus = Bus::new(ALONE);
+            let script = format!(
+                "exec {redirections}; sleep 0.2; exec \"$0\" lss set-bitrate 500k --activate 300ms \
+                 --on \"$1\" --bitrate 250k --transmit"
+            );
+            let output = std::process::Command::new("bash")
+                .args(["-c", &script, env!("CARGO_BIN_EXE_canbaud"), &bus.channel])
+                .output()
+                .unwrap();
+            assert_eq!(output.status.code(), Some(0), "{redirections}");
+            let (code, _, err) = bus.lss("500k", &["inquire", "--address", DRIVE]);
+            assert_eq!(code, 0, "{redirections}: {err}");
+        }
+    }
+
     fn numbers(line: &str) -> serde_json::Value {
         let value = serde_json::from_str(line).unwrap();
         schema::assert_valid(schema::LSS, &value);
@@ -169,14 +191,14 @@ lss = { vendor_id = 0x29C, product_code = 1, revision_number = 0x10002, serial_n
     #[test]
     fn one_device_changes_its_bit_rate_and_the_adapter_goes_along() {
         let bus = Bus::new(ALONE);
-        let words = ["set-bitrate", "500k", "--activate", "300", "--address", DRIVE];
+        let words = ["set-bitrate", "500k", "--activate", "300ms", "--address", DRIVE];
         let (code, out, err) = bus.lss("250k", &words);
         assert_eq!(code, 0, "{err}");
         assert!(
             out.contains("bit rate 500k is set") && out.contains("the device answers"),
             "{out}"
         );
-        let inquire = ["inquire", "--address", DRIVE, "--timeout", "300"];
+        let inquire = ["inquire", "--address", DRIVE, "--timeout", "300ms"];
         let (code, _, err) = bus.lss("250k", &inquire);
         assert_eq!((code, err.contains("no answer within 300.000 ms")), (4, true), "{err}");
     }

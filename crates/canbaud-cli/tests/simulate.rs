@@ -1,8 +1,12 @@
 //! `canbaud simulate` as its users meet it, and what other people's tools make of its output.
 
+mod common;
+
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+
+use common::schema;
 
 fn canbaud() -> Command {
     Command::new(env!("CARGO_BIN_EXE_canbaud"))
@@ -77,6 +81,7 @@ fn json_statistics_are_those_of_the_run() {
     let output = simulate("lone-talker.toml", &["--json", "--check"]);
     assert!(output.status.success());
     let statistics: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    schema::assert_valid(schema::SIMULATE, &statistics);
     assert_eq!(statistics["nodes"][0]["tec_max"], 128);
     assert_eq!(statistics["nodes"][0]["state"], "error passive");
     assert_eq!(statistics["nodes"][1]["dominant"], 0);
@@ -87,6 +92,7 @@ fn repeat_sums_up_runs_of_all_seeds() {
     let output = simulate("koppe-configuration-2.toml", &["--repeat", "6", "--json"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let sum: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    schema::assert_valid(schema::SIMULATE, &sum);
     assert_eq!(sum["runs"], 6);
     assert_eq!(sum["nodes"][3]["found_bitrate"]["250000"], 6);
     let times = &sum["nodes"][3]["found_at_s"];
@@ -100,6 +106,13 @@ fn missed_expectation_and_bad_scenario_have_exit_codes_of_their_own() {
     let output = canbaud().arg("simulate").arg(&path).arg("-q").output().unwrap();
     assert_eq!(output.status.code(), Some(3));
     assert!(text(&output.stderr).contains("received 2, expected at least 9"));
+    // What a run missed has its place in the statistics, too.
+    let args = ["--repeat", "2", "--json"];
+    let output = canbaud().arg("simulate").arg(&path).args(args).output().unwrap();
+    assert_eq!(output.status.code(), Some(3));
+    let sum: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    schema::assert_valid(schema::SIMULATE, &sum);
+    assert_eq!(sum["missed"].as_array().unwrap().len(), 2);
     let (_directory, path) = written(&THREE_FRAMES.replace("remote", "remode"));
     let output = canbaud().arg("simulate").arg(&path).output().unwrap();
     assert_eq!(output.status.code(), Some(2));

@@ -11,6 +11,8 @@ pub enum ErrorKind {
     Permission,
     /// The adapter is absent, gone, or cannot do what a scan needs.
     Unusable,
+    /// A recording cannot be read.
+    Unreadable,
 }
 
 /// What can go wrong with an adapter.
@@ -118,6 +120,14 @@ pub enum LinkError {
         /// What is wrong.
         what: &'static str,
     },
+    /// A recording cannot play the bus.
+    #[error("{path}: {reason}")]
+    Recording {
+        /// Its path.
+        path: String,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Whatever the system says.
     #[error("{what}: {source}")]
     Io {
@@ -134,6 +144,7 @@ impl LinkError {
     pub const fn kind(&self) -> ErrorKind {
         match self {
             Self::Permission { .. } | Self::PortPermission { .. } => ErrorKind::Permission,
+            Self::Recording { .. } => ErrorKind::Unreadable,
             _ => ErrorKind::Unusable,
         }
     }

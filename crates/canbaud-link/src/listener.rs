@@ -42,6 +42,16 @@ pub trait Listener: Controller<Error = LinkError> {
         Err(LinkError::State { adapter: self.describe(), what })
     }
 
+    /// What [`Self::restore`] had to leave as it is, and why.
+    fn left_over(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// How a person puts the adapter back where [`Self::restore`] cannot.
+    fn by_hand(&self) -> Option<String> {
+        None
+    }
+
     /// Puts the adapter back as it was found, and says what could not be.
     ///
     /// # Errors

@@ -97,6 +97,23 @@ fn an_interface_is_read_as_the_kernel_tells_it() {
     );
 }
 
+/// A name is anybody's choice: `ip link set can0 name vcan0`.
+#[test]
+fn an_interface_is_virtual_by_its_kind() {
+    for (name, kind, is_virtual) in [
+        (&b"vcan0\0"[..], &b"can\0"[..], false),
+        (b"bus\0", b"vcan\0", true),
+        (b"bus\0", b"vxcan\0", true),
+        (b"bus\0", b"can\0", false),
+    ] {
+        let mut body = vec![0, 0, 0x18, 0x01];
+        body.extend(words(&[6, 0, 0]));
+        body.extend(attribute(3, name));
+        body.extend(attribute(18, &attribute(1, kind)));
+        assert_eq!(Link::parse(&body).unwrap().is_virtual(), is_virtual, "{kind:?}");
+    }
+}
+
 /// As slcan gave it: 36 bytes of fixed rates, no limits, no bit timing.
 #[test]
 fn fixed_rates_are_read() {

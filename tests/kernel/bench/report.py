@@ -45,12 +45,14 @@ class Report:
         print(f"skip  {what}: {reason}", flush=True)
 
     def summary(self, repeat, logs, not_here):
-        """The last lines; the exit status: 0, 1, or `not_here` if there was nothing to check."""
+        """The last lines; the exit status: 0, 1, or `not_here` if something was not checked."""
         seconds = time.monotonic() - self.began
         slowest = sorted(self.seconds.items(), key=lambda one: -one[1])[:5]
         print("slowest:", ", ".join(f"{name} {taken:.0f} s" for name, taken in slowest))
         for failure in self.failed:
             print(f"failed: {failure}")
+        for what in self.skipped:
+            print(f"skipped: {what}")
         print(
             f"kernel: {self.passed} ok, {len(self.failed)} failed, {len(self.skipped)} skipped, "
             f"{seconds:.0f} s"
@@ -58,4 +60,4 @@ class Report:
         if self.failed:
             print(f"again:  {repeat}\nlogs:   {logs}")
             return 1
-        return 0 if self.passed else not_here
+        return not_here if self.skipped or not self.passed else 0

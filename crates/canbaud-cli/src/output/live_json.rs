@@ -122,6 +122,7 @@ pub(crate) fn push_error(out: &mut String, source: &str, error: &LinkError) {
     let kind = match error.kind() {
         ErrorKind::Permission => "permission",
         ErrorKind::Unusable => "unusable",
+        ErrorKind::Unreadable => "unreadable",
     };
     push_line(out, &Event::Error { source, kind, text: error.to_string() });
 }

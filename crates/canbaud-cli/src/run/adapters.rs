@@ -241,3 +241,63 @@ fn in_words(wrong_rate: &str) -> &'static str {
         _ => "nothing: it looks like a silent bus",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schema;
+    use canbaud_link::adapters::serial_adapters;
+
+    fn value(entry: &Entry) -> serde_json::Value {
+        let value = serde_json::to_value(entry).unwrap();
+        schema::assert_valid(schema::ADAPTERS, &value);
+        value
+    }
+
+    #[test]
+    fn drivers_and_ports_are_as_the_schema_says() {
+        for known in known_drivers() {
+            value(&driver(known));
+        }
+        let mut ports = serial_adapters();
+        ports.push(SerialAdapter {
+            port: "/dev/ttyACM0".into(),
+            usb: Some((0xAD50, 0x60C4)),
+            product: None,
+            known: None,
+        });
+        let last = ports.into_iter().map(serial).map(|entry| value(&entry)).last().unwrap();
+        assert_eq!(
+            (&last["source"], &last["usb"]),
+            (&"slcan:/dev/ttyACM0".into(), &"ad50:60c4".into())
+        );
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn interfaces_are_as_the_schema_says() {
+        use canbaud::units::Bitrate;
+        use canbaud_link::adapters::{InterfaceAdapter, InterfaceUse, known};
+        let rates = [125_000, 250_000].map(|rate| Bitrate::new(rate).unwrap());
+        let adapter = |usable| InterfaceAdapter {
+            name: "can0".to_owned(),
+            driver: Some("gs_usb".to_owned()),
+            known: known("gs_usb"),
+            up: true,
+            bitrate: Some(125_000),
+            listens: false,
+            usable,
+        };
+        let can = InterfaceUse {
+            evidence: Evidence::Counter,
+            fd: FdSupport::Fd,
+            rates: rates.to_vec(),
+            range: (rates[0], rates[1]),
+        };
+        let good = value(&interface(adapter(Ok(can))));
+        assert_eq!(good["wrong_rate"], "counter");
+        assert_eq!(good["bitrates"], serde_json::json!([125_000, 250_000]));
+        let bad = value(&interface(adapter(Err("no".to_owned()))));
+        assert_eq!((&bad["usable"], &bad["reason"]), (&false.into(), &"no".into()));
+    }
+}

@@ -8,12 +8,14 @@ use std::path::Path;
 use canbaud_capture::{Capture, CaptureError, open};
 
 use super::failure::{source_name, unreadable, unwritable};
+use super::live::LiveSource;
 use crate::args::{DecodeArgs, FrameFormat};
 use crate::exit::Exit;
 use crate::judge;
 use crate::output::{Candump, Clock, FramesJson, ItemWriter, Pcapng, RawDlc, summary};
 use crate::printable::printable;
 use crate::report::ChannelReport;
+use crate::tell::{self, tell};
 
 /// Large enough that a system call costs nothing per frame.
 const BUFFER: usize = 64 * 1024;
@@ -22,13 +24,18 @@ const BUFFER: usize = 64 * 1024;
 pub(crate) fn decode(args: &DecodeArgs) -> Exit {
     let source = source_name(&args.source);
     if let Some(reason) = refuse_output(args) {
-        eprintln!("canbaud: {reason}");
+        tell!("canbaud: {reason}");
         return Exit::Usage;
     }
     let mut capture = match open(&args.source, &args.reading.open_options()) {
         Ok(capture) => capture,
         Err(error) => {
-            eprint!("{}", unreadable(&source, &error));
+            tell::error(&unreadable(&source, &error));
+            if !matches!(LiveSource::parse(&args.source), Ok(None)) {
+                tell!(
+                    "  hint: decode reads recordings; canbaud detect finds the rate of a live bus"
+                );
+            }
             return Exit::Unreadable;
         }
     };
@@ -41,7 +48,7 @@ pub(crate) fn decode(args: &DecodeArgs) -> Exit {
     match copy(&mut capture, args, writer.as_mut()) {
         Ok(report) => conclude(args, &source, &report),
         Err(Stopped::Unreadable(error)) => {
-            eprint!("{}", unreadable(&source, &error));
+            tell::error(&unreadable(&source, &error));
             Exit::Unreadable
         }
         Err(Stopped::Unwritable(error)) => unwritable(&target, &error),
@@ -115,7 +122,7 @@ fn writer(args: &DecodeArgs, clock: Clock) -> io::Result<Box<dyn ItemWriter>> {
 fn conclude(args: &DecodeArgs, source: &str, report: &ChannelReport) -> Exit {
     if !args.quiet {
         let channel = printable(&report.channel);
-        eprintln!("canbaud: {source}: channel {channel}: {}", summary(report));
+        tell!("canbaud: {source}: channel {channel}: {}", summary(report));
     }
     report.outcome.into()
 }

@@ -15,17 +15,24 @@ use crate::args::{DetectArgs, When};
 use crate::exit::Exit;
 use crate::judge;
 use crate::output::{Detail, Paint, push_report, push_unreadable, render};
+use crate::printable::printable;
 use crate::report::ChannelReport;
+use crate::tell::{self, tell};
 
 type Judged = Result<Vec<ChannelReport>, CaptureError>;
 
 /// Judges every source and prints what was found, in the order given.
 pub(crate) fn detect(args: &DetectArgs, color: When) -> Exit {
-    if let Some(source) = args.sources.iter().find_map(|source| LiveSource::parse(source)) {
-        return live(args, &source, color);
+    match args.sources.iter().find_map(|source| LiveSource::parse(source).transpose()) {
+        Some(Ok(source)) => return live(args, &source, color),
+        Some(Err(refusal)) => {
+            tell!("error: {}", printable(&refusal));
+            return Exit::Usage;
+        }
+        None => {}
     }
     if args.live.is_used() {
-        eprintln!("error: an option for live buses was given with a capture file");
+        tell!("error: an option for live buses was given with a capture file");
         return Exit::Usage;
     }
     let stdout = io::stdout();
@@ -43,7 +50,7 @@ pub(crate) fn detect(args: &DetectArgs, color: When) -> Exit {
     in_order(args.sources.len(), threads(args), work, |index, judged| {
         let shown = view.show(index, &source_name(&args.sources[index]), &judged);
         let written = progress.print(|| {
-            eprint!("{}", shown.stderr);
+            tell::error(&shown.stderr);
             stdout.lock().write_all(shown.stdout.as_bytes())
         });
         exit = exit.max(shown.exit);

@@ -7,6 +7,7 @@ use canbaud_capture::CaptureError;
 
 use crate::exit::Exit;
 use crate::printable::printable;
+use crate::tell::tell;
 
 /// The name of a source as the user sees it, without characters that could steer a terminal.
 pub(super) fn source_name(path: &Path) -> String {
@@ -38,6 +39,6 @@ pub(super) fn unwritable(target: &str, error: &io::Error) -> Exit {
     if error.kind() == io::ErrorKind::BrokenPipe {
         return Exit::Found;
     }
-    eprintln!("canbaud: {target}: cannot write: {error}");
+    tell!("canbaud: {target}: cannot write: {error}");
     Exit::Unreadable
 }

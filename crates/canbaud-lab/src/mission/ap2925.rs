@@ -144,9 +144,11 @@ pub(super) fn a3() -> Finding {
             frames.get_or_insert((found, at.since(Time::ZERO)));
         }
     }
+    let bytes: String = frame.data().iter().map(|byte| format!("{byte:02X}")).collect();
     finding.line(format!(
-        "A lone talker at {} sends {frame:?}, which nobody acknowledges: its shortest dominant level is {shortest} bits, so the shortest of 100 says {}.",
+        "A lone talker at {} sends the data frame {}#{bytes}, which nobody acknowledges: its shortest dominant level is {shortest} bits, so the shortest of 100 says {}.",
         kbits(bitrate),
+        frame.id(),
         kbits(bitrate / shortest.max(1) as u32),
     ));
     finding.require(shortest == 2, "the frame has a lone dominant bit");

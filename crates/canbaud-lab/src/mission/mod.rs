@@ -127,7 +127,7 @@ pub const ROWS: [Row; 22] = [
     ),
     row(
         "K8",
-        "AND/OR gate for controllers without listen-only mode (table 3).",
+        "AND/OR gate for controllers without bus monitoring (table 3).",
         "`tests/around.rs` of canbaud-sim",
         koppe::k8,
     ),

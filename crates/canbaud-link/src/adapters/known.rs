@@ -210,9 +210,81 @@ pub fn known(name: &str) -> Option<&'static KnownDriver> {
     KNOWN.iter().find(|known| known.drivers.contains(&name))
 }
 
+/// Beginnings of the names that drivers give their controllers in `struct can_bittiming_const`, and
+/// a driver that does so, longest first.
+const CONTROLLERS: &[(&str, &str)] = &[
+    ("pcan_chip_usb", "peak_usb"),
+    ("pcan_usb", "peak_usb"),
+    ("peak_canfd", "peak_pciefd"),
+    ("kvaser_pciefd", "kvaser_pciefd"),
+    ("kvaser_usb", "kvaser_usb"),
+    ("gs_usb", "gs_usb"),
+    ("usb_8dev", "usb_8dev"),
+    ("mcp251xfd", "mcp251xfd"),
+    ("mcp251x", "mcp251x"),
+    ("sja1000", "sja1000_platform"),
+    ("tcan4x5x", "tcan4x5x"),
+    ("m_can", "m_can_platform"),
+    ("flexcan", "flexcan"),
+    ("c_can", "c_can_platform"),
+    ("bxcan", "bxcan"),
+    ("ctu_can_fd", "ctucanfd"),
+    ("ctucanfd", "ctucanfd"),
+    ("esd_usb", "esd_usb"),
+    ("esd_402", "esd_402_pci"),
+    ("f81604", "f81604"),
+    ("ifi_canfd", "ifi_canfd"),
+    ("sun4i_can", "sun4i_can"),
+    ("hi3110", "hi3110"),
+    ("hi311x", "hi311x"),
+    ("ucan", "ucan"),
+    ("at91_can", "at91_can"),
+    ("grcan", "grcan"),
+    ("mscan", "mpc5xxx_can"),
+    ("ES58", "etas_es58x"),
+    ("ems_usb", "ems_usb"),
+    ("cc770", "cc770_platform"),
+    ("softing", "softing"),
+    ("ti_hecc", "ti_hecc"),
+    ("xilinx_can", "xilinx_can"),
+    ("rockchip_canfd", "rockchip_canfd"),
+    ("rcar_canfd", "rcar_canfd"),
+    ("rcar_can", "rcar_can"),
+    ("janz-ican3", "janz-ican3"),
+];
+
+/// A kernel's driver that calls its controller `name`, as the kernel tells with its limits: this is
+/// known also where sysfs is hidden. Of a family that behaves alike it is any one.
+#[must_use]
+pub fn driver_of_controller(name: &str) -> Option<&'static str> {
+    CONTROLLERS.iter().find(|(begin, _)| name.starts_with(begin)).map(|(_, driver)| *driver)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_controllers_are_called_leads_to_a_driver_that_is_known() {
+        for (begin, driver) in CONTROLLERS {
+            assert!(known(driver).is_some(), "{driver}");
+            // None hides behind a shorter one.
+            assert_eq!(driver_of_controller(begin), Some(*driver), "{begin}");
+        }
+        // Names in Linux 6.12.
+        for (name, driver) in [
+            ("pcan_usb", Some("peak_usb")),
+            ("pcan_usb_pro_fd", Some("peak_usb")),
+            ("kvaser_usb_flex", Some("kvaser_usb")),
+            ("mcp251xfd", Some("mcp251xfd")),
+            ("ES582.1/ES584.1", Some("etas_es58x")),
+            ("rcar_canfd", Some("rcar_canfd")),
+            ("", None),
+            ("test", None),
+        ] {
+            assert_eq!(driver_of_controller(name), driver, "{name}");
+        }
+    }
 
     #[test]
     fn no_driver_is_listed_twice() {

@@ -7,5 +7,5 @@ mod serial;
 
 #[cfg(target_os = "linux")]
 pub use interfaces::{InterfaceAdapter, InterfaceUse, interface_adapters};
-pub use known::{KnownDriver, ListenOnly, WrongRate, known, known_drivers};
+pub use known::{KnownDriver, ListenOnly, WrongRate, driver_of_controller, known, known_drivers};
 pub use serial::{SerialAdapter, serial_adapters};

@@ -9,6 +9,8 @@
 
 mod memory;
 mod multicast;
+#[cfg(target_os = "linux")]
+mod rate;
 mod slcan;
 #[cfg(target_os = "linux")]
 mod socketcan;
@@ -58,4 +60,28 @@ pub trait FrameBus {
     /// # Errors
     /// The channel cannot be set to it.
     fn set_bitrate(&mut self, bitrate: Bitrate) -> Result<(), LinkError>;
+
+    /// Whether there is no bit rate on it, and so nothing to be disturbed by a wrong one.
+    fn is_virtual(&self) -> bool {
+        false
+    }
+
+    /// What was set stays when the channel goes out of use; whether there was anything to keep.
+    fn keep(&mut self) -> bool {
+        false
+    }
+
+    /// Puts the channel back as it was found, unless it is kept; whether there was anything to put
+    /// back.
+    ///
+    /// # Errors
+    /// What could not be put back.
+    fn restore(&mut self) -> Result<bool, LinkError> {
+        Ok(false)
+    }
+
+    /// How a person puts it back where [`Self::restore`] cannot.
+    fn by_hand(&self) -> Option<String> {
+        None
+    }
 }

@@ -104,6 +104,10 @@ impl FrameBus for MulticastBus {
     fn set_bitrate(&mut self, _bitrate: Bitrate) -> Result<(), LinkError> {
         Ok(())
     }
+
+    fn is_virtual(&self) -> bool {
+        true
+    }
 }
 
 /// Waits for a datagram: a read timeout of the socket would be rounded to the clock of the kernel,

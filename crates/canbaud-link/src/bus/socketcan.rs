@@ -8,20 +8,21 @@ use canbaud::wire::Frame;
 use socketcan::CanSocket;
 
 use super::FrameBus;
+use super::rate::Rate;
 use crate::LinkError;
-use crate::socketcan::netlink::{Change, Link, LinkChange, TimingInfo, ctrlmode};
+use crate::socketcan::netlink::{Link, ctrlmode};
 use crate::socketcan::{Raw, Rtnl, encode, raw};
 
 /// How long a full queue of the interface may take to get a place.
 const QUEUE_FULL: Duration = Duration::from_millis(500);
 const ENOBUFS: i32 = 105;
 
-/// An open interface of Linux that sends and receives.
+/// An open interface of Linux that sends and receives; a bit rate that was set is put back when it
+/// goes out of use, unless it is kept.
 #[derive(Debug)]
 pub struct SocketCanBus {
     socket: CanSocket,
-    link: Link,
-    rtnl: Rtnl,
+    rate: Rate,
 }
 
 impl SocketCanBus {
@@ -44,15 +45,12 @@ impl SocketCanBus {
                         listen-only off";
             return Err(LinkError::State { adapter: name.to_owned(), what });
         }
-        let socket = raw::open(name, link.index)?;
-        // Its own frames would be taken for answers.
-        socketcan::SocketOptions::set_recv_own_msgs(&socket, false)
-            .map_err(|error| LinkError::io(format!("cannot open {name}"), error))?;
-        Ok(Self { socket, link, rtnl })
+        let socket = open(&link)?;
+        Ok(Self { socket, rate: Rate::new(Box::new(rtnl), link) })
     }
 
-    fn is_virtual(&self) -> bool {
-        self.link.can.is_none()
+    const fn link(&self) -> &Link {
+        self.rate.link()
     }
 }
 
@@ -67,7 +65,10 @@ impl FrameBus for SocketCanBus {
                     std::thread::sleep(Duration::from_millis(1));
                 }
                 Err(error) => {
-                    return Err(LinkError::io(format!("cannot send on {}", self.link.name), error));
+                    return Err(LinkError::io(
+                        format!("cannot send on {}", self.link().name),
+                        error,
+                    ));
                 }
             }
         }
@@ -75,7 +76,7 @@ impl FrameBus for SocketCanBus {
 
     fn receive(&mut self, timeout: Duration) -> Result<Option<Frame>, LinkError> {
         let until = Instant::now() + timeout;
-        let broken = |error| LinkError::io(format!("cannot read from {}", self.link.name), error);
+        let broken = |error| LinkError::io(format!("cannot read from {}", self.link().name), error);
         loop {
             match raw::receive(&self.socket).map_err(broken)? {
                 // Frames of other programs on this machine count: on vcan there are no others.
@@ -98,16 +99,34 @@ impl FrameBus for SocketCanBus {
         if self.is_virtual() {
             return Ok(());
         }
-        let timing = TimingInfo { bitrate: bitrate.bits_per_second(), ..TimingInfo::default() };
-        let set = LinkChange { timing: Some(timing), ..LinkChange::default() };
-        self.rtnl.change(&self.link, &LinkChange::only(Change::Down))?;
-        let result = self.rtnl.change(&self.link, &set);
-        // Up again in any case: the interface was up.
-        self.rtnl.change(&self.link, &LinkChange::only(Change::Up))?;
-        result?;
-        self.socket = raw::open(&self.link.name, self.link.index)?;
+        self.rate.set(bitrate)?;
+        self.socket = open(self.link())?;
         Ok(())
     }
+
+    fn is_virtual(&self) -> bool {
+        self.link().is_virtual()
+    }
+
+    fn keep(&mut self) -> bool {
+        self.rate.keep()
+    }
+
+    fn restore(&mut self) -> Result<bool, LinkError> {
+        self.rate.restore()
+    }
+
+    fn by_hand(&self) -> Option<String> {
+        Some(self.rate.by_hand())
+    }
+}
+
+fn open(link: &Link) -> Result<CanSocket, LinkError> {
+    let socket = raw::open(&link.name, link.index)?;
+    // Its own frames would be taken for answers.
+    socketcan::SocketOptions::set_recv_own_msgs(&socket, false)
+        .map_err(|error| LinkError::io(format!("cannot open {}", link.name), error))?;
+    Ok(socket)
 }
 
 fn is_full(error: &io::Error) -> bool {

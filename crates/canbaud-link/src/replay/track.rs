@@ -58,21 +58,24 @@ impl EdgeSink for Keeper {
 impl Track {
     /// Reads channel `name` of the file, or the first one; high is recessive.
     pub(super) fn read(path: &Path, name: Option<&str>) -> Result<Self, LinkError> {
-        let shown = path.display();
-        let cannot = |error: canbaud_capture::CaptureError| {
-            LinkError::io(format!("cannot replay {shown}"), std::io::Error::other(error))
+        let wrong = |reason: String| {
+            let path = path.display().to_string();
+            LinkError::Recording { path, reason }
         };
+        let cannot = |error: canbaud_capture::CaptureError| wrong(error.to_string());
         let mut capture = open(path, &OpenOptions::default()).map_err(cannot)?;
+        let names: Vec<_> = capture.channels().iter().map(|one| one.name.clone()).collect();
         let channel = match name {
-            None => Some(0),
-            Some(name) => capture.channels().iter().position(|channel| channel.name == name),
+            None => 0,
+            Some(name) => names.iter().position(|one| one == name).ok_or_else(|| {
+                wrong(format!("no channel \"{name}\"; there are {}", names.join(", ")))
+            })?,
         };
-        let empty = |what| LinkError::State { adapter: shown.to_string(), what };
-        let channel = channel.ok_or_else(|| empty("there is no channel of that name"))?;
         capture.select(&[channel]);
         let mut keeper = Keeper { channel, begin: None, edges: Vec::new(), end: None };
         capture.stream(&mut keeper).map_err(cannot)?;
-        let (begin, logic) = keeper.begin.ok_or_else(|| empty("there is nothing in it"))?;
+        let (begin, logic) =
+            keeper.begin.ok_or_else(|| wrong("there is nothing in it".to_owned()))?;
         let last = keeper.edges.last().copied().unwrap_or(begin);
         let end = keeper.end.filter(|end| *end >= last).unwrap_or(last);
         for edge in &mut keeper.edges {

@@ -365,6 +365,10 @@ impl Listener for SlcanListener {
         remarks
     }
 
+    fn by_hand(&self) -> Option<String> {
+        Some(format!("printf 'C\\r' > {}, or unplug it", self.channel.name()))
+    }
+
     fn restore(&mut self) -> Result<(), LinkError> {
         match self.state {
             State::Closed => Ok(()),

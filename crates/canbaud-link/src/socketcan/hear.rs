@@ -10,11 +10,10 @@ use canbaud::wire::{Frame, Id};
 use super::error_frame;
 use super::frame::Raw;
 use super::raw::Reception;
+use super::setup::PEAK_USB;
 use crate::Clock;
 
-/// The driver of PEAK USB adapters, which loses the mark of its error frames.
-const PEAK_USB: &str = "peak_usb";
-/// What is left of such a frame: `CAN_ERR_CNT` as an identifier.
+/// What the driver of PEAK USB adapters leaves of an error frame, whose mark it loses: `CAN_ERR_CNT` as an identifier.
 const PEAK_COUNTERS: Id = Id::Base(0x200);
 
 /// What `heard` says to a scan whose clock shows `now`; `None` if nothing.

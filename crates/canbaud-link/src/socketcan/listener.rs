@@ -13,7 +13,7 @@ use super::hear;
 use super::netlink::{CanInfo, Change, Link, LinkChange, TimingConst, TimingInfo, ctrlmode};
 use super::raw::RawSocket;
 use super::restore::Saved;
-use super::rtnl::Rtnl;
+use super::rtnl::{LinkLayer, Rtnl};
 use super::setup::{Device, Profile};
 use super::wide::wide;
 use crate::{After, Clock, LinkError, Listener};
@@ -32,12 +32,14 @@ const SLCAN: &str = "slcan";
 /// An interface that only listens; put back as it was found when it goes out of use.
 #[derive(Debug)]
 pub struct SocketCanListener {
-    rtnl: Rtnl,
+    kernel: Box<dyn LinkLayer>,
     link: Link,
     profile: Profile,
     saved: Saved,
     clock: Clock,
     touched: bool,
+    /// Whether it was ever set to a rate.
+    had_rates: bool,
     configured: Option<Setting>,
     socket: Option<RawSocket>,
     counter: Counter,
@@ -63,18 +65,27 @@ impl SocketCanListener {
     /// # Errors
     /// There is no such interface, or it cannot listen without disturbing the bus.
     pub fn open(name: &str, clock: Clock) -> Result<Self, LinkError> {
-        let mut rtnl = Rtnl::open()?;
-        let link = rtnl.link(name)?;
-        let device = Device::read(Path::new("/sys"), &link);
+        Self::on(Box::new(Rtnl::open()?), Path::new("/sys"), name, clock)
+    }
+
+    fn on(
+        mut kernel: Box<dyn LinkLayer>,
+        sys: &Path,
+        name: &str,
+        clock: Clock,
+    ) -> Result<Self, LinkError> {
+        let link = kernel.link(name)?;
+        let device = Device::read(sys, &link);
         let profile = Profile::of(&link, &device)?;
         let saved = Saved::of(&link);
         Ok(Self {
-            rtnl,
+            kernel,
             link,
             profile,
             saved,
             clock,
             touched: false,
+            had_rates: false,
             configured: None,
             socket: None,
             counter: Counter::default(),
@@ -88,11 +99,11 @@ impl SocketCanListener {
     }
 
     fn change(&mut self, change: &LinkChange) -> Result<(), LinkError> {
-        self.rtnl.change(&self.link, change)
+        self.kernel.change(&self.link, change)
     }
 
     fn read_back(&mut self) -> Result<Link, LinkError> {
-        self.rtnl.read_back(&self.link.name, self.link.index)
+        self.kernel.read_back(&self.link.name, self.link.index)
     }
 
     /// Down, before anything else is changed.
@@ -249,6 +260,7 @@ impl Controller for SocketCanListener {
         if let (Capture::Wide, Some(limits)) = (candidate.capture, &can.timing_const) {
             setting = self.widen(setting, limits)?;
         }
+        self.had_rates = true;
         self.configured = Some(setting);
         let rate = |timing: TimingInfo| Bitrate::new(timing.bitrate);
         match rate(setting.nominal) {
@@ -366,6 +378,15 @@ impl Listener for SocketCanListener {
         Ok(())
     }
 
+    fn by_hand(&self) -> Option<String> {
+        Some(self.saved.by_hand(&self.link.name))
+    }
+
+    fn left_over(&self) -> Option<&'static str> {
+        let rate = "it had no bit rate, and Linux cannot take away the one tried last";
+        (self.saved.bitrate().is_none() && self.had_rates).then_some(rate)
+    }
+
     fn restore(&mut self) -> Result<(), LinkError> {
         self.socket = None;
         self.configured = None;
@@ -373,7 +394,7 @@ impl Listener for SocketCanListener {
             return Ok(());
         }
         let done =
-            self.read_back().and_then(|now| self.saved.clone().restore(&mut self.rtnl, &now));
+            self.read_back().and_then(|now| self.saved.clone().restore(&mut *self.kernel, &now));
         // What the kernel refused once it may grant once more; the rest would go the same way.
         self.touched = matches!(done, Err(LinkError::Io { .. }));
         done
@@ -386,3 +407,6 @@ impl Drop for SocketCanListener {
         let _ = self.restore();
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,6 +9,8 @@ mod error_frame;
 mod frame;
 mod hear;
 mod listener;
+#[cfg(test)]
+pub(crate) mod mock;
 pub mod netlink;
 pub(crate) mod raw;
 mod restore;
@@ -20,4 +22,6 @@ pub use listener::SocketCanListener;
 pub use rtnl::Rtnl;
 
 pub(crate) use frame::{Raw, encode};
+pub(crate) use restore::Saved;
+pub(crate) use rtnl::LinkLayer;
 pub(crate) use setup::{Device, Profile};

@@ -1,40 +1,45 @@
 //! An interface as it was found, and back to it.
 
+use std::fmt::Write as _;
+
 use super::netlink::{CanInfo, Change, Link, LinkChange, TdcInfo, TimingInfo, ctrlmode};
-use super::rtnl::Rtnl;
+use super::rtnl::LinkLayer;
 use crate::LinkError;
 
 const TDC: u32 = ctrlmode::TDC_AUTO | ctrlmode::TDC_MANUAL;
 
-/// The state of an interface, as far as a scan changes it.
+/// The state of an interface, as far as anything here changes it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Saved {
+pub(crate) struct Saved {
     up: bool,
     ctrlmode: u32,
+    /// Control modes that can be switched at all.
+    supported: u32,
     timing: Option<TimingInfo>,
     data_timing: Option<TimingInfo>,
     tdc: Option<TdcInfo>,
 }
 
 impl Saved {
-    pub(super) fn of(link: &Link) -> Self {
+    pub(crate) fn of(link: &Link) -> Self {
         let none = CanInfo::default();
         let can = link.can.as_ref().unwrap_or(&none);
         let fd = can.ctrlmode & ctrlmode::FD != 0;
         Self {
             up: link.flags.is_up(),
             ctrlmode: can.ctrlmode,
+            supported: can.ctrlmode_supported.unwrap_or(ctrlmode::LISTEN_ONLY),
             timing: can.set_timing(),
             data_timing: can.set_data_timing().filter(|_| fd),
             tdc: can.tdc.filter(|_| fd && can.ctrlmode & TDC != 0),
         }
     }
 
-    pub(super) const fn was_up(&self) -> bool {
+    pub(crate) const fn was_up(&self) -> bool {
         self.up
     }
 
-    pub(super) const fn bitrate(&self) -> Option<u32> {
+    pub(crate) const fn bitrate(&self) -> Option<u32> {
         match self.timing {
             Some(timing) => Some(timing.bitrate),
             None => None,
@@ -46,7 +51,7 @@ impl Saved {
     }
 
     /// Puts the interface `now` back, and checks that it is.
-    pub(super) fn restore(&self, rtnl: &mut Rtnl, now: &Link) -> Result<(), LinkError> {
+    pub(crate) fn restore(&self, rtnl: &mut dyn LinkLayer, now: &Link) -> Result<(), LinkError> {
         if now.flags.is_up() {
             rtnl.change(now, &LinkChange::only(Change::Down))?;
         }
@@ -76,6 +81,45 @@ impl Saved {
             rtnl.change(&reached, &LinkChange::only(Change::Up))?;
         }
         Ok(())
+    }
+
+    /// The nominal bit timing, if there was one.
+    pub(crate) const fn timing(&self) -> Option<TimingInfo> {
+        self.timing
+    }
+
+    /// The commands that put the interface `name` back by hand.
+    pub(crate) fn by_hand(&self, name: &str) -> String {
+        let mut words = format!("ip link set {name} down; ip link set {name} type can");
+        let mut timing = |prefix: &str, timing: Option<TimingInfo>| {
+            if let Some(TimingInfo { bitrate, sample_point, sjw, .. }) = timing {
+                let (whole, rest) = (sample_point / 1000, sample_point % 1000);
+                let _ = write!(
+                    words,
+                    " {prefix}bitrate {bitrate} {prefix}sample-point {whole}.{rest:03} {prefix}sjw {sjw}"
+                );
+            }
+        };
+        timing("", self.timing);
+        timing("d", self.data_timing);
+        for (bit, word) in [
+            (ctrlmode::LISTEN_ONLY, "listen-only"),
+            (ctrlmode::LOOPBACK, "loopback"),
+            (ctrlmode::BERR_REPORTING, "berr-reporting"),
+            (ctrlmode::PRESUME_ACK, "presume-ack"),
+            (ctrlmode::FD, "fd"),
+        ] {
+            // Drivers refuse what they do not have, even to switch it off.
+            match (self.ctrlmode & bit != 0, self.supported & bit != 0) {
+                (true, _) => words.extend([" ", word, " on"]),
+                (false, true) => words.extend([" ", word, " off"]),
+                (false, false) => {}
+            }
+        }
+        if self.up {
+            let _ = write!(words, "; ip link set {name} up");
+        }
+        words
     }
 
     fn change(&self, now: &Link, form: Form) -> LinkChange {

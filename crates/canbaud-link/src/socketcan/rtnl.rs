@@ -21,6 +21,30 @@ const INTERRUPTIONS: usize = 8;
 const EPERM: i32 = 1;
 const ENODEV: i32 = 19;
 
+/// What is asked of the kernel about one interface; tests have a kernel of their own.
+pub(crate) trait LinkLayer: std::fmt::Debug + Send {
+    /// The interface called `name`.
+    fn link(&mut self, name: &str) -> Result<Link, LinkError>;
+    /// The interface `index` as it is now.
+    fn read_back(&mut self, name: &str, index: u32) -> Result<Link, LinkError>;
+    /// Changes `link`.
+    fn change(&mut self, link: &Link, change: &LinkChange) -> Result<(), LinkError>;
+}
+
+impl LinkLayer for Rtnl {
+    fn link(&mut self, name: &str) -> Result<Link, LinkError> {
+        Self::link(self, name)
+    }
+
+    fn read_back(&mut self, name: &str, index: u32) -> Result<Link, LinkError> {
+        Self::read_back(self, name, index)
+    }
+
+    fn change(&mut self, link: &Link, change: &LinkChange) -> Result<(), LinkError> {
+        Self::change(self, link, change)
+    }
+}
+
 /// A connection to the kernel's link layer; every request is answered before it returns.
 #[derive(Debug)]
 pub struct Rtnl {

@@ -9,7 +9,7 @@ use canbaud::units::Bitrate;
 
 use super::netlink::{CanInfo, Link, ctrlmode};
 use crate::LinkError;
-use crate::adapters::{ListenOnly, WrongRate, known};
+use crate::adapters::{ListenOnly, WrongRate, driver_of_controller, known};
 
 /// The bit rates of the kernel's slcan driver, which names itself nowhere.
 const SLCAN: [u32; 9] =
@@ -17,11 +17,13 @@ const SLCAN: [u32; 9] =
 /// Nominal bit rates end here [ISO 11898-1].
 const NOMINAL_MAX: u32 = 1_000_000;
 const ONE: Bitrate = Bitrate::new(1).unwrap();
+/// The driver of PEAK USB adapters.
+pub(super) const PEAK_USB: &str = "peak_usb";
 /// PCAN-USB: its driver switches silent mode only on hardware revisions above 3.
 const PCAN_USB: u16 = 0x000C;
 const PCAN_USB_SILENT_FROM: u16 = 4;
 
-/// What sysfs tells of the device behind an interface.
+/// What is known of the device behind an interface.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Device {
     /// The kernel's driver.
@@ -31,9 +33,28 @@ pub(crate) struct Device {
 }
 
 impl Device {
-    /// Reads it below `sys`, which is `/sys` but for tests.
+    /// Reads it below `sys`, which is `/sys` but for tests; in a container that may be absent, or
+    /// tell of an interface of the same name outside.
     pub(crate) fn read(sys: &Path, link: &Link) -> Self {
-        let device = sys.join("class/net").join(&link.name).join("device");
+        let seen = Self::in_sysfs(sys, link);
+        let told = by_controller(link);
+        match (told, seen.driver.as_deref()) {
+            (Some(told), Some(driver)) if !are_alike(told, driver) => {
+                Self { driver: Some(told.to_owned()), usb: None }
+            }
+            (Some(told), None) => Self { driver: Some(told.to_owned()), ..seen },
+            (None, None) => Self { driver: by_rates(link), ..seen },
+            (_, Some(_)) => seen,
+        }
+    }
+
+    fn in_sysfs(sys: &Path, link: &Link) -> Self {
+        let interface = sys.join("class/net").join(&link.name);
+        let index = fs::read_to_string(interface.join("ifindex")).ok();
+        if index.and_then(|index| index.trim().parse().ok()) != Some(link.index) {
+            return Self::default();
+        }
+        let device = interface.join("device");
         let driver = fs::read_link(device.join("driver"))
             .ok()
             .and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
@@ -41,8 +62,7 @@ impl Device {
             let text = fs::read_to_string(device.join("..").join(name)).ok()?;
             u16::from_str_radix(text.trim(), 16).ok()
         };
-        let usb = hex("idProduct").zip(hex("bcdDevice"));
-        Self { driver: driver.or_else(|| by_rates(link)), usb }
+        Self { driver, usb: hex("idProduct").zip(hex("bcdDevice")) }
     }
 
     /// The hardware revision of a PCAN-USB, as its driver reads it.
@@ -52,6 +72,20 @@ impl Device {
             _ => None,
         }
     }
+}
+
+/// The driver, by what it calls its controller.
+fn by_controller(link: &Link) -> Option<&'static str> {
+    driver_of_controller(controller(link.can.as_ref()?))
+}
+
+fn controller(can: &CanInfo) -> &str {
+    can.timing_const.as_ref().map_or("", |limits| &limits.name)
+}
+
+/// Whether both are the same driver, or of a family that behaves alike.
+fn are_alike(one: &str, other: &str) -> bool {
+    one == other || known(one).is_some_and(|known| known.drivers.contains(&other))
 }
 
 /// The driver, where only its rates tell.
@@ -106,17 +140,20 @@ impl Profile {
 /// An adapter behind USB or a serial line has a queue of its own, which outlives the controller's;
 /// 64 frames cross full-speed USB in 4 ms.
 fn settle(device: &Device) -> Duration {
-    let queues = device.usb.is_some() || device.driver.as_deref() == Some("slcan");
+    let driver = device.driver.as_deref().unwrap_or_default();
+    let outside =
+        driver.contains("usb") || ["slcan", "etas_es58x", "f81604", "ucan"].contains(&driver);
+    let queues = device.usb.is_some() || outside;
     Duration::from_millis(if queues { 20 } else { 0 })
 }
 
 fn usable(link: &Link) -> Result<&CanInfo, LinkError> {
     let name = link.name.clone();
-    match (link.is_can(), link.kind.as_deref(), &link.can) {
-        (false, ..) => Err(LinkError::NotCan { name }),
-        (true, Some("vcan" | "vxcan"), _) => Err(LinkError::Virtual { name }),
-        (true, _, Some(can)) if can.timing_const.is_some() || !can.bitrates.is_empty() => Ok(can),
-        (true, ..) => Err(LinkError::NoListenOnly {
+    match (link.is_can(), &link.can) {
+        (false, _) => Err(LinkError::NotCan { name }),
+        (true, _) if link.is_virtual() => Err(LinkError::Virtual { name }),
+        (true, Some(can)) if can.timing_const.is_some() || !can.bitrates.is_empty() => Ok(can),
+        (true, _) => Err(LinkError::NoListenOnly {
             adapter: name,
             reason: "its driver takes neither bit rate nor control mode from the kernel".to_owned(),
         }),
@@ -138,10 +175,21 @@ fn may_listen(link: &Link, can: &CanInfo, device: &Device) -> Result<(), LinkErr
             "PCAN-USB of hardware revision {revision} has no silent mode, although its driver \
              offers one; revision {PCAN_USB_SILENT_FROM} and later have it"
         )),
-        None if driver == "peak_usb" && device.usb.is_none() => {
-            refuse("the hardware revision of this PEAK adapter cannot be read".to_owned())
-        }
+        None if driver == PEAK_USB && !is_silent_pcan(can, device) => refuse(
+            "the hardware revision of this PEAK adapter cannot be read (is /sys hidden?), and old \
+             ones have no silent mode"
+                .to_owned(),
+        ),
         _ => Ok(()),
+    }
+}
+
+/// Whether it is a PEAK adapter that is silent in any revision: every one but PCAN-USB.
+fn is_silent_pcan(can: &CanInfo, device: &Device) -> bool {
+    match controller(can) {
+        "pcan_usb" => false,
+        name if driver_of_controller(name) == Some(PEAK_USB) => true,
+        _ => device.usb.is_some(),
     }
 }
 

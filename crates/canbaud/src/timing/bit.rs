@@ -25,7 +25,7 @@ pub struct BitTiming {
     pub phase_seg1: u16,
     /// PHASE_SEG2.
     pub phase_seg2: u16,
-    /// Synchronisation jump width.
+    /// Synchronization jump width.
     pub sjw: u16,
 }
 

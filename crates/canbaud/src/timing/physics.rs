@@ -56,7 +56,7 @@ const fn smaller_phase(timing: &BitTiming) -> u64 {
     }
 }
 
-/// Tolerance of CAN FD with a bit rate switch: the two classic conditions, the resynchronisation
+/// Tolerance of CAN FD with a bit rate switch: the two classic conditions, the resynchronization
 /// in the data phase, and two across the switch.
 ///
 /// ```

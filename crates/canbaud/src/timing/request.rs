@@ -20,7 +20,7 @@ pub enum SamplePointPolicy {
     },
 }
 
-/// How the synchronisation jump width is chosen.
+/// How the synchronization jump width is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SjwPolicy {
     /// The largest that SJW field, PHASE_SEG1 and PHASE_SEG2 allow: the best oscillator tolerance.

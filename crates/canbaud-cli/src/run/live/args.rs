@@ -10,6 +10,7 @@ use clap::Args;
 use super::save::Form;
 use super::source::LiveSource;
 use crate::args::DetectArgs;
+use crate::values::{bus_rate, time};
 
 /// How to look for the rate of a live bus.
 #[derive(Debug, Clone, Args)]
@@ -27,8 +28,9 @@ pub(crate) struct LiveArgs {
     #[arg(long)]
     pub(crate) fd: bool,
 
-    /// How to go from rate to rate: default, koppe (the first message without an error), fixed-dwell, survey
-    #[arg(long, value_name = "NAME", default_value = "default", hide_default_value = true)]
+    /// How to go from rate to rate: weighing, koppe (the first message without an error), fixed-dwell,
+    /// survey
+    #[arg(long, value_name = "NAME", default_value = "weighing", value_parser = policy)]
     pub(crate) policy: Policy,
 
     /// Listen this long, also beyond the bound: 30s, 500ms, never
@@ -101,6 +103,14 @@ impl LiveArgs {
     }
 }
 
+/// A policy by its one name.
+fn policy(text: &str) -> Result<Policy, String> {
+    Policy::ALL.into_iter().find(|policy| policy.name() == text).ok_or_else(|| {
+        let names = Policy::ALL.map(Policy::name);
+        format!("no such policy; there are {}", names.join(", "))
+    })
+}
+
 /// A rate, or a list with a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum RateName {
@@ -121,7 +131,7 @@ impl FromStr for RateName {
             "devicenet" => Self::Devicenet,
             "known" => Self::Known,
             _ => {
-                Self::Rate(text.parse().map_err(|error| {
+                Self::Rate(bus_rate(text).map_err(|error| {
                     format!("{error}; or one of canopen, j1939, devicenet, known")
                 })?)
             }
@@ -141,8 +151,7 @@ impl FromStr for Sweep {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (low, high) = text.split_once("..").ok_or("two rates are wanted, such as 10k..1M")?;
-        let rate = |text: &str| text.parse::<Bitrate>().map_err(|error| error.to_string());
-        let (low, high) = (rate(low)?, rate(high)?);
+        let (low, high) = (bus_rate(low)?, bus_rate(high)?);
         if low > high {
             return Err(format!("{low} is above {high}"));
         }
@@ -168,39 +177,18 @@ impl FromStr for Timeout {
     }
 }
 
-/// `30s`, `500ms`, `2min`; up to a day.
-fn time(text: &str) -> Result<Micros, String> {
-    const UNITS: [(&str, u64); 4] =
-        [("ms", 1_000), ("us", 1), ("min", 60_000_000), ("s", 1_000_000)];
-    const DAY: u64 = 86_400_000_000;
-    let wanted = || "a time is wanted, such as 30s, 500ms, 2min, up to a day".to_owned();
-    let (number, unit) = UNITS
-        .into_iter()
-        .find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit)))
-        .ok_or_else(wanted)?;
-    let number: u64 = number.parse().map_err(|_| wanted())?;
-    match number.checked_mul(unit) {
-        Some(us @ 1..=DAY) => Ok(Micros(us)),
-        _ => Err(wanted()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn times_and_ranges_are_read() {
-        assert_eq!(time("30s"), Ok(Micros(30_000_000)));
-        assert_eq!(time("500ms"), Ok(Micros(500_000)));
         assert_eq!("2min".parse(), Ok(Timeout::After(Micros(120_000_000))));
         assert_eq!("never".parse(), Ok(Timeout::Never));
-        for wrong in ["", "s", "0s", "5", "-1s", "99999999999999s", "25h"] {
-            assert!(time(wrong).is_err(), "{wrong}");
-        }
+        assert!("5".parse::<Timeout>().is_err());
         let sweep: Sweep = "10k..1M".parse().unwrap();
         assert_eq!((sweep.low.to_string(), sweep.high.to_string()), ("10k".into(), "1M".into()));
-        for wrong in ["10k", "1M..10k", "..", "a..b"] {
+        for wrong in ["10k", "1M..10k", "..", "a..b", "10..1000"] {
             assert!(wrong.parse::<Sweep>().is_err(), "{wrong}");
         }
     }

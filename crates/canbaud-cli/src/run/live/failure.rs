@@ -4,16 +4,18 @@ use canbaud_link::{ErrorKind, LinkError};
 
 use crate::exit::Exit;
 use crate::printable::printable;
+use crate::tell::tell;
 
 /// Says it and gives the exit code.
 pub(crate) fn link_error(error: &LinkError) -> Exit {
-    eprintln!("canbaud: {}", printable(&error.to_string()));
+    tell!("canbaud: {}", printable(&error.to_string()));
     if let Some(hint) = hint(error) {
-        eprintln!("  hint: {}", printable(&hint));
+        tell!("  hint: {}", printable(&hint));
     }
     match error.kind() {
         ErrorKind::Permission => Exit::Permission,
         ErrorKind::Unusable => Exit::Unusable,
+        ErrorKind::Unreadable => Exit::Unreadable,
     }
 }
 

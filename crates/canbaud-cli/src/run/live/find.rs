@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use canbaud::detect::scan::{
-    Driver, FdSeen, FdSupport, Found, Misfit, Outcome as Said, Policy, Progress, Scan, Settings,
-    Standing,
+    Activity, Driver, FdSeen, FdSupport, Found, Misfit, Outcome as Said, Policy, Progress, Scan,
+    Settings, Standing,
 };
 use canbaud::rates;
 use canbaud::units::{Bitrate, Micros};
@@ -26,6 +26,8 @@ pub(super) enum Ended {
     Judged(LiveReport),
     /// By a signal.
     Stopped(u8),
+    /// Nobody reads the events any more.
+    Unread,
 }
 
 /// What every stage needs.
@@ -41,6 +43,7 @@ enum Stage {
     Said(Said),
     TimedOut,
     Stopped(u8),
+    Unread,
 }
 
 /// One scan or several, with what they tried.
@@ -72,10 +75,13 @@ impl Finding<'_> {
             let next = self.stage(listener, &plan.with_data(&nominals), plan.settings, watch)?;
             all.then(next);
         }
-        if let Stage::Stopped(signal) = all.stage {
-            return Ok(Ended::Stopped(signal));
-        }
-        Ok(Ended::Judged(self.report(listener, plan, &all, watch)))
+        Ok(match all.stage {
+            Stage::Stopped(signal) => Ended::Stopped(signal),
+            Stage::Unread => Ended::Unread,
+            Stage::Said(_) | Stage::TimedOut => {
+                Ended::Judged(self.report(listener, plan, &all, watch))
+            }
+        })
     }
 
     /// Behind a sweep: the known rates around what was caught; if it is none of them, every rate
@@ -91,7 +97,7 @@ impl Finding<'_> {
         let known = Plan::around(caught.nominal());
         if !known.as_slice().is_empty() {
             let next = self.stage(listener, &known, plan.settings, watch)?;
-            let nearer = matches!(next.stage, Stage::Said(Said::Found(_)) | Stage::Stopped(_));
+            let nearer = next.ends();
             all.then(next);
             if nearer {
                 return Ok(());
@@ -125,6 +131,9 @@ impl Finding<'_> {
             let progress = driver.turn()?;
             let now = clock.now();
             watch.look(driver.scan(), now);
+            if watch.is_unread() {
+                break Stage::Unread;
+            }
             let until = match progress {
                 Progress::Done(outcome) => break Stage::Said(outcome),
                 Progress::Listening(until) => until,
@@ -136,8 +145,15 @@ impl Finding<'_> {
             let left = nearest.map_or(SLICE, |at| Duration::from_micros((at - now).0));
             driver.controller_mut().wait(left.min(SLICE))?;
         };
-        let status = driver.scan().status(clock.now());
-        let tried = driver.scan().standings().filter(|one| one.visits > 0 || one.refused).collect();
+        let now = clock.now();
+        let status = driver.scan().status(now);
+        let tried = driver.scan().standings().filter(|one| one.visits > 0 || one.refused);
+        let tried = match status.activity {
+            Activity::Listening(_) | Activity::Confirming(_) => {
+                tried.map(|one| watch.at_the_end(one, now)).collect()
+            }
+            Activity::Waiting | Activity::Switching(_) | Activity::Done => tried.collect(),
+        };
         Ok(Stages {
             stage,
             tried,
@@ -194,7 +210,7 @@ impl Finding<'_> {
             Stage::Said(Said::Refused) => {
                 report.need = Some("the adapter can be set to none of the rates".to_owned());
             }
-            Stage::TimedOut | Stage::Stopped(_) => {
+            Stage::TimedOut | Stage::Stopped(_) | Stage::Unread => {
                 report.need = Some("no verdict in the time that was given".to_owned());
             }
         }
@@ -229,17 +245,23 @@ impl Stages {
                 tried.sort_by_key(|one| std::cmp::Reverse(one.weight));
                 tried.iter().take(LIKELIEST).map(|one| one.candidate.nominal).collect()
             }
-            Stage::Said(_) | Stage::TimedOut | Stage::Stopped(_) => Vec::new(),
+            Stage::Said(_) | Stage::TimedOut | Stage::Stopped(_) | Stage::Unread => Vec::new(),
         }
+    }
+
+    /// Whether nothing that follows says more.
+    const fn ends(&self) -> bool {
+        matches!(self.stage, Stage::Said(Said::Found(_)) | Stage::Stopped(_) | Stage::Unread)
     }
 
     /// Adds the next stage; the rate stands where that finds none.
     fn then(&mut self, next: Self) {
+        let ends = next.ends();
         self.tried.extend(next.tried);
         self.visits = self.visits.saturating_add(next.visits);
         self.elapsed = self.elapsed + next.elapsed;
         self.bound = self.bound.zip(next.bound).map(|(first, second)| first + second);
-        if matches!(next.stage, Stage::Said(Said::Found(_)) | Stage::Stopped(_)) {
+        if ends {
             self.stage = next.stage;
         }
     }

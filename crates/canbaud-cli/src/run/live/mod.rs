@@ -3,6 +3,7 @@
 mod args;
 mod failure;
 mod find;
+mod leave;
 mod plan;
 mod save;
 mod source;
@@ -13,7 +14,7 @@ use std::io::{self, IsTerminal, Write};
 
 use canbaud::detect::scan::{Candidate, Capture};
 use canbaud::units::Bitrate;
-use canbaud_link::{After, Clock, LinkError, Listener};
+use canbaud_link::{After, Clock, LinkError};
 
 use super::failure::unwritable;
 use crate::args::{DetectArgs, When};
@@ -26,20 +27,22 @@ pub(super) use failure::link_error;
 pub(crate) use source::LiveSource;
 pub(crate) use stop::Stop;
 
+use crate::tell::tell;
 use find::{Ended, Finding};
+use leave::{Left, leave};
 use plan::Plan;
 use watch::Watch;
 
 /// Finds the rate of the bus at `source`.
 pub(crate) fn live(args: &DetectArgs, source: &LiveSource, color: When) -> Exit {
     if let Some(refusal) = args.live.refusal(args, source) {
-        eprintln!("error: {refusal}");
+        tell!("error: {refusal}");
         return Exit::Usage;
     }
     let stop = match Stop::install() {
         Ok(stop) => stop,
         Err(error) => {
-            eprintln!("canbaud: cannot take care of signals: {error}");
+            tell!("canbaud: cannot take care of signals: {error}");
             return Exit::Unusable;
         }
     };
@@ -51,7 +54,7 @@ pub(crate) fn live(args: &DetectArgs, source: &LiveSource, color: When) -> Exit 
     let plan = match Plan::new(&args.live, &listener.capabilities()) {
         Ok(plan) => plan,
         Err(refusal) => {
-            eprintln!("error: {refusal}");
+            tell!("error: {refusal}");
             return Exit::Usage;
         }
     };
@@ -59,54 +62,67 @@ pub(crate) fn live(args: &DetectArgs, source: &LiveSource, color: When) -> Exit 
     let finding = Finding { clock, stop: &stop, limit: args.live.limit() };
     let ended = finding.run(&mut *listener, &plan, &mut watch);
     watch.finish();
-    // What is gone cannot be put back, and that was said already.
-    let gone = matches!(ended, Err(LinkError::Gone { .. }));
-    let exit = conclude(args, source, color, &mut *listener, &stop, ended);
-    match listener.restore() {
-        Err(error) if !gone => exit.max(fail(args, source, &error)),
-        Ok(()) | Err(_) => exit,
+    // Before anything is said: who reads may be slow, or gone.
+    let left = leave(&mut *listener, wanted(args, &ended));
+    // What is gone cannot be put back, and that is said already.
+    let gone = matches!(ended, Err(LinkError::Gone { .. })) && stop.signal().is_none();
+    let exit = conclude(args, source, color, &stop, ended, &left);
+    match left.lost(&source.to_string()) {
+        Some((error, lost)) if !gone => {
+            fail(args, source, &error);
+            if let Some(hint) = left.by_hand() {
+                tell!("{hint}");
+            }
+            lost
+        }
+        Some(_) | None => exit,
     }
 }
 
-/// Says what came of it, and leaves the interface as asked for.
+/// How to leave the adapter; `None`: as it was found.
+fn wanted(args: &DetectArgs, ended: &Result<Ended, LinkError>) -> Option<(Candidate, After)> {
+    match ended {
+        Ok(Ended::Judged(report)) if args.live.apply => Some((found(report)?, after(args, report))),
+        Ok(Ended::Judged(_) | Ended::Stopped(_) | Ended::Unread) | Err(_) => None,
+    }
+}
+
+/// Says what came of it.
 fn conclude(
     args: &DetectArgs,
     source: &LiveSource,
     color: When,
-    listener: &mut dyn Listener,
     stop: &Stop,
     ended: Result<Ended, LinkError>,
+    left: &Left,
 ) -> Exit {
+    let stopped = |signal| {
+        tell!("{}", left.stopped(&source.to_string(), signal));
+        Exit::Stopped(signal)
+    };
     let report = match ended {
         Ok(Ended::Judged(report)) => report,
-        Ok(Ended::Stopped(signal)) => {
-            eprintln!("canbaud: {source}: stopped by a signal, put back as it was found");
-            return Exit::Stopped(signal);
-        }
+        Ok(Ended::Stopped(signal)) => return stopped(signal),
+        Ok(Ended::Unread) => return Exit::Found,
         // What a signal interrupted is its doing.
-        Err(error) => match stop.signal() {
-            Some(signal) => return Exit::Stopped(signal),
-            None => return fail(args, source, &error),
-        },
+        Err(error) => {
+            return stop.signal().map_or_else(|| fail(args, source, &error), stopped);
+        }
     };
-    let exit = Exit::from(report.outcome);
-    match write(args, &report, color) {
-        Ok(()) => {}
-        Err(error) => return exit.max(unwritable("standard output", &error)),
+    let mut exit = Exit::from(report.outcome);
+    if let Err(error) = write(args, &report, color) {
+        exit = exit.max(unwritable("standard output", &error));
     }
-    match (kept(&report), args.live.apply) {
-        (Some(candidate), true) => match listener.keep(&candidate, after(args, &report)) {
-            Ok(()) => {
-                let mode = match after(args, &report) {
-                    After::Listening => "listening only",
-                    After::Normal => "taking part in the traffic",
-                };
-                eprintln!("{source} is up at {}bit/s, {mode}", candidate.nominal);
-                exit
-            }
-            Err(error) => fail(args, source, &error),
-        },
-        _ => exit,
+    if let Some((candidate, after)) = &left.kept {
+        let mode = match after {
+            After::Listening => "listening only",
+            After::Normal => "taking part in the traffic",
+        };
+        tell!("{source} is up at {}bit/s, {mode}", candidate.nominal);
+    }
+    match &left.not_kept {
+        Some(error) => exit.max(fail(args, source, error)),
+        None => exit,
     }
 }
 
@@ -119,8 +135,8 @@ fn after(args: &DetectArgs, report: &LiveReport) -> After {
     }
 }
 
-/// What to leave set.
-fn kept(report: &LiveReport) -> Option<Candidate> {
+/// The rate that was found.
+fn found(report: &LiveReport) -> Option<Candidate> {
     let found = report.found.as_ref()?;
     let data = found.data.and_then(Bitrate::new);
     Some(Candidate { nominal: Bitrate::new(found.nominal)?, data, capture: Capture::Usual })

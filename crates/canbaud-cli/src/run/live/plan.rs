@@ -121,3 +121,17 @@ fn list(args: &LiveArgs, choice: &RateChoice<'_>) -> Result<List, TooMany> {
     }
     Ok(list)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_usual_rates_are_those_of_the_guide() {
+        let usual: Vec<String> =
+            USUAL.into_iter().filter_map(Bitrate::new).map(|rate| rate.to_string()).collect();
+        let row = format!("| (none) | {} |", usual.join(", "));
+        assert!(include_str!("../../../../../docs/live.md").contains(&row), "{row}");
+        assert_eq!(usual.len(), USUAL.len());
+    }
+}

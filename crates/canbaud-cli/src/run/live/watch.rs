@@ -12,6 +12,7 @@ use super::plan::{Plan, ROOM};
 use super::source::LiveSource;
 use crate::args::DetectArgs;
 use crate::output::{bitrate, count, live_json};
+use crate::tell::tell;
 
 /// A person's line changes, and evidence is told, this often at most.
 const REFRESH: Micros = Micros::from_ms(100);
@@ -34,9 +35,38 @@ pub(super) struct Watch {
     viewer: Viewer,
     source: String,
     policy: &'static str,
-    listening: Option<Candidate>,
+    visit: Option<Visit>,
     standing: Option<Standing>,
     refresh: Micros,
+    /// Whether events still have somebody to go to, or the interface is to be set all the same.
+    reader: Reader,
+}
+
+/// The rate that is listened at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Visit {
+    candidate: Candidate,
+    number: u32,
+    since: Micros,
+}
+
+impl Visit {
+    /// `standing` with the time of the visit that is under way, which the scan adds at its end.
+    fn added_to(self, standing: Standing, now: Micros) -> Standing {
+        if standing.candidate != self.candidate {
+            return standing;
+        }
+        Standing { listened: standing.listened + (now - self.since), ..standing }
+    }
+}
+
+/// Who reads the events.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reader {
+    There,
+    Gone,
+    /// The scan is wanted for what it sets.
+    Needless,
 }
 
 impl Watch {
@@ -54,10 +84,21 @@ impl Watch {
             viewer,
             source: source.to_string(),
             policy: args.live.policy.name(),
-            listening: None,
+            visit: None,
             standing: None,
             refresh: Micros(0),
+            reader: if args.live.apply { Reader::Needless } else { Reader::There },
         }
+    }
+
+    /// `standing` of a scan that was broken off at `now`.
+    pub(super) fn at_the_end(&self, standing: Standing, now: Micros) -> Standing {
+        self.visit.map_or(standing, |visit| visit.added_to(standing, now))
+    }
+
+    /// Whether whoever read the events has gone away: the scan is for nobody.
+    pub(super) fn is_unread(&self) -> bool {
+        self.reader == Reader::Gone
     }
 
     pub(super) fn source(&self) -> &str {
@@ -65,7 +106,7 @@ impl Watch {
     }
 
     /// The adapter is open, the scan begins.
-    pub(super) fn start(&self, adapter: &str, plan: &Plan, remarks: &[String]) {
+    pub(super) fn start(&mut self, adapter: &str, plan: &Plan, remarks: &[String]) {
         match &self.viewer {
             Viewer::Program => {
                 let mut lines = String::new();
@@ -74,7 +115,7 @@ impl Watch {
                 for remark in remarks {
                     live_json::push_remark(&mut lines, remark);
                 }
-                emit(&lines);
+                self.emit(&lines);
             }
             Viewer::Person(_) | Viewer::Log => {
                 for remark in remarks {
@@ -92,16 +133,20 @@ impl Watch {
             Activity::Confirming(candidate) => (candidate, true),
             Activity::Waiting | Activity::Switching(_) | Activity::Done => return,
         };
+        let number = scan.status(now).visits;
+        let same = |visit: &Visit| (visit.candidate, visit.number) == (candidate, number);
+        let visit = self.visit.filter(same).unwrap_or(Visit { candidate, number, since: now });
         let standing = scan.standings().find(|one| one.candidate == candidate);
-        let changed = self.listening != Some(candidate);
+        let standing = standing.map(|standing| visit.added_to(standing, now));
+        let changed = self.visit.is_none_or(|last| last.candidate != candidate);
+        self.visit = Some(visit);
         if changed {
-            self.listening = Some(candidate);
             self.standing = None;
             match &self.viewer {
                 Viewer::Program => {
                     let mut line = String::new();
                     live_json::push_listening(&mut line, now, &candidate);
-                    emit(&line);
+                    self.emit(&line);
                 }
                 Viewer::Log => self.say(&format!("{now}  listening at {}", name(&candidate))),
                 Viewer::Person(_) | Viewer::Nobody => {}
@@ -113,7 +158,7 @@ impl Watch {
         {
             let mut line = String::new();
             live_json::push_evidence(&mut line, now, &standing);
-            emit(&line);
+            self.emit(&line);
             self.standing = Some(standing);
             self.refresh = now + REFRESH;
         }
@@ -133,10 +178,19 @@ impl Watch {
         }
     }
 
+    /// Writes events at once.
+    fn emit(&mut self, lines: &str) {
+        let mut out = io::stdout().lock();
+        let written = out.write_all(lines.as_bytes()).and_then(|()| out.flush());
+        if written.is_err() && self.reader == Reader::There {
+            self.reader = Reader::Gone;
+        }
+    }
+
     fn say(&self, text: &str) {
         match &self.viewer {
-            Viewer::Person(bar) => bar.suspend(|| eprintln!("{text}")),
-            _ => eprintln!("{text}"),
+            Viewer::Person(bar) => bar.suspend(|| tell!("{text}")),
+            _ => tell!("{text}"),
         }
     }
 }
@@ -187,10 +241,4 @@ pub(super) fn name(candidate: &Candidate) -> String {
         Some(data) => format!("{wide}{nominal}, data {}", bitrate(data.bits_per_second())),
         None => format!("{wide}{nominal}"),
     }
-}
-
-/// Writes events at once; a program that stopped reading is told by the last one.
-fn emit(lines: &str) {
-    let mut out = io::stdout().lock();
-    let _ = out.write_all(lines.as_bytes()).and_then(|()| out.flush());
 }

@@ -1,18 +1,21 @@
 //! What can be said after `canbaud lss`.
 
+use std::time::Duration;
+
 use canbaud::lss::{LssAddress, NodeId, Strategy};
-use canbaud::units::Bitrate;
+use canbaud::units::{Bitrate, Micros};
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::channel::Channel;
 use super::parse::{TableIndex, address, node_id, table_index};
+use crate::values::{answer_time, bus_rate, pause, switch_delay, wait};
 
 pub(crate) const LSS_HELP: &str = "\
 Examples:
   canbaud lss scan --on can0 --transmit
   canbaud lss scan --on can0 --transmit --assign 10 --store
   canbaud lss inquire --on /dev/ttyACM0 --bitrate 250k --transmit
-  canbaud lss set-bitrate 500k --on can0 --transmit --store --activate 1000
+  canbaud lss set-bitrate 500k --on can0 --transmit --store --activate 1s
   canbaud lss auto --on can0 --dry-run
 
 An LSS master transmits (identifier 7E5h) and must be the only one on its bus. A channel is an
@@ -76,8 +79,9 @@ pub(crate) struct LineArgs {
     #[arg(long, value_name = "CHANNEL")]
     pub(crate) on: Channel,
 
-    /// Bit rate to open a serial adapter at; an interface of Linux is taken as it is set up
-    #[arg(long = "bitrate", value_name = "RATE")]
+    /// Bit rate of the channel. A serial adapter needs it; an interface of Linux is set to it and put
+    /// back afterwards [default: as the interface is set up]
+    #[arg(long = "bitrate", value_name = "RATE", value_parser = bus_rate)]
     pub(crate) own_bitrate: Option<Bitrate>,
 
     /// Yes, transmit: without this nothing is opened
@@ -88,15 +92,13 @@ pub(crate) struct LineArgs {
     #[arg(long)]
     pub(crate) dry_run: bool,
 
-    /// How long an answer may take, in ms
-    #[arg(long, value_name = "MS", default_value_t = 500,
-          value_parser = clap::value_parser!(u64).range(1..=60_000))]
-    pub(crate) timeout: u64,
+    /// How long an answer may take
+    #[arg(long, value_name = "TIME", default_value = "500ms", value_parser = answer_time)]
+    pub(crate) timeout: Micros,
 
-    /// Pause between two frames, in ms
-    #[arg(long, value_name = "MS", default_value_t = 1,
-          value_parser = clap::value_parser!(u64).range(..=10_000))]
-    pub(crate) inhibit: u64,
+    /// Pause between two frames
+    #[arg(long, value_name = "TIME", default_value = "1ms", value_parser = pause)]
+    pub(crate) inhibit: Micros,
 
     /// Print one JSON object a line per device
     #[arg(long)]
@@ -195,8 +197,8 @@ pub(crate) struct SetBitrateArgs {
     #[arg(long)]
     pub(crate) store: bool,
 
-    /// Activate it in this device alone, with this switch delay in ms, and go along
-    #[arg(long, value_name = "MS")]
+    /// Activate it in this device alone, with this switch delay, and go along
+    #[arg(long, value_name = "TIME", value_parser = switch_delay)]
     pub(crate) activate: Option<u16>,
 
     #[command(flatten)]
@@ -209,12 +211,12 @@ pub(crate) struct SetBitrateArgs {
 /// `activate`.
 #[derive(Debug, Args)]
 pub(crate) struct ActivateArgs {
-    /// Switch delay in ms, longer than the slowest device takes to process a command
-    #[arg(long, value_name = "MS", default_value_t = 1000)]
+    /// Switch delay, longer than the slowest device takes to process a command
+    #[arg(long, value_name = "TIME", default_value = "1s", value_parser = switch_delay)]
     pub(crate) delay: u16,
 
-    /// Bit rate of the own channel afterwards; without it, it stays
-    #[arg(long, value_name = "RATE")]
+    /// Bit rate of the own channel afterwards, which an interface keeps; without it, it stays
+    #[arg(long, value_name = "RATE", value_parser = bus_rate)]
     pub(crate) to: Option<Bitrate>,
 
     #[command(flatten)]
@@ -238,13 +240,13 @@ pub(crate) struct AutoArgs {
     #[arg(long)]
     pub(crate) store: bool,
 
-    /// Switch delay in ms
-    #[arg(long, value_name = "MS", default_value_t = 1000)]
+    /// Switch delay
+    #[arg(long, value_name = "TIME", default_value = "1s", value_parser = switch_delay)]
     pub(crate) delay: u16,
 
-    /// How long to wait for the device to be back, in s
-    #[arg(long, value_name = "S", default_value_t = 30)]
-    pub(crate) wait: u16,
+    /// How long to wait for the device to be back
+    #[arg(long, value_name = "TIME", default_value = "30s", value_parser = wait)]
+    pub(crate) wait: Duration,
 
     #[command(flatten)]
     pub(crate) device: DeviceArgs,
@@ -269,18 +271,17 @@ pub(crate) struct ServeArgs {
     #[arg(long, value_name = "ID", value_parser = node_id)]
     pub(crate) node_id: Option<NodeId>,
 
-    /// How long a device takes to answer, in ms
-    #[arg(long, value_name = "MS", default_value_t = 0,
-          value_parser = clap::value_parser!(u64).range(..=10_000))]
-    pub(crate) latency: u64,
+    /// How long a device takes to answer
+    #[arg(long, value_name = "TIME", default_value = "0ms", value_parser = pause)]
+    pub(crate) latency: Micros,
 
     /// The devices cannot store
     #[arg(long)]
     pub(crate) no_storage: bool,
 
-    /// End after so many seconds [default: when interrupted]
-    #[arg(long, value_name = "S")]
-    pub(crate) seconds: Option<u64>,
+    /// End after this time [default: when interrupted]
+    #[arg(long = "for", value_name = "TIME", value_parser = wait)]
+    pub(crate) duration: Option<Duration>,
 
     #[command(flatten)]
     pub(crate) line: LineArgs,

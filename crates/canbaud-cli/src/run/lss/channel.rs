@@ -37,9 +37,9 @@ impl FromStr for Channel {
             return multicast(rest);
         }
         let source = if text.starts_with("/dev/") {
-            LiveSource::parse(Path::new(&format!("slcan:{text}")))
+            LiveSource::parse(Path::new(&format!("slcan:{text}")))?
         } else {
-            LiveSource::parse(Path::new(text))
+            LiveSource::parse(Path::new(text))?
         };
         let wanted = "a channel is wanted: can0, slcan:/dev/ttyACM0 or udp:239.74.163.2:43113";
         match source {
@@ -103,16 +103,6 @@ impl Channel {
             Self::Multicast(group, port) => Box::new(MulticastBus::join(*group, *port)?),
         })
     }
-
-    /// Whether it is known that there is no bit rate on it, and nothing to be disturbed by a wrong
-    /// one.
-    pub(super) fn is_virtual(&self) -> bool {
-        match self {
-            Self::Interface(name) => name.starts_with("vcan") || name.starts_with("vxcan"),
-            Self::Slcan { .. } => false,
-            Self::Multicast(..) => true,
-        }
-    }
 }
 
 #[cfg(test)]
@@ -130,7 +120,14 @@ mod tests {
         }
         let udp = Channel::Multicast(Ipv4Addr::new(239, 0, 0, 1), 5000);
         assert_eq!("udp:239.0.0.1:5000".parse(), Ok(udp));
-        for bad in ["udp:10.0.0.1", "udp:239.0.0.1:x", "bus.sr", "replay:bus.sr"] {
+        for bad in [
+            "udp:10.0.0.1",
+            "udp:239.0.0.1:x",
+            "bus.sr",
+            "replay:bus.sr",
+            "slcan:",
+            "slcan:/dev/ttyACM0@fast",
+        ] {
             assert!(bad.parse::<Channel>().is_err(), "{bad}");
         }
     }

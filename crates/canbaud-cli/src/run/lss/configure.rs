@@ -11,7 +11,10 @@ use super::args::{AutoArgs, InquireArgs, SetBitrateArgs, SetNodeIdArgs, StoreArg
 use super::parse::TableIndex;
 use super::session::Session;
 use super::trouble::Trouble;
+use crate::tell::tell;
 
+/// How long a device with a fixed bit rate may take to be back.
+const BACK: Duration = Duration::from_secs(10);
 /// Between two questions whether a device is back.
 const ASK_AGAIN: Duration = Duration::from_millis(200);
 
@@ -52,7 +55,8 @@ pub(super) fn set_node_id(args: &SetNodeIdArgs, session: &mut Session) -> Result
     let done = configure(session, Service::ConfigureNodeId(args.node_id), args.store);
     session.release()?;
     done?;
-    said(session, &format!("node-ID {} is set{}", args.node_id, kept(args.store)))
+    session.say(&format!("node-ID {} is set{}", args.node_id, kept(args.store)));
+    Ok(())
 }
 
 /// `store`.
@@ -61,7 +65,8 @@ pub(super) fn store(args: &StoreArgs, session: &mut Session) -> Result<(), Troub
     let done = session.exchange(Service::StoreConfiguration);
     session.release()?;
     done?;
-    said(session, "stored")
+    session.say("stored");
+    Ok(())
 }
 
 /// `set-bitrate`.
@@ -79,16 +84,21 @@ pub(super) fn set_bitrate(args: &SetBitrateArgs, session: &mut Session) -> Resul
         return Err(trouble);
     }
     let shown = setting.map_or_else(|| format!("index {table_index}"), |rate| rate.to_string());
-    said(session, &format!("bit rate {shown} is set{}", kept(args.store)))?;
+    session.say(&format!("bit rate {shown} is set{}", kept(args.store)));
     let Some(delay) = args.activate else { return session.release() };
     // Without a fixed bit rate the own channel stays where the device will find it.
     let own = setting.and_then(RateSetting::bitrate);
     let activated = session.activate(delay, own)?;
     warn(session, activated);
-    let back = wait_until_back(session, 10);
-    session.release()?;
+    let back = wait_until_back(session, BACK);
+    let released = session.release();
     let after = back?;
-    said(session, &format!("activated; the device answers after {:.1} s", after.as_secs_f64()))
+    released?;
+    if let Some(bitrate) = own {
+        session.keep(bitrate);
+    }
+    session.say(&format!("activated; the device answers after {:.1} s", after.as_secs_f64()));
+    Ok(())
 }
 
 /// `auto`.
@@ -99,13 +109,15 @@ pub(super) fn auto(args: &AutoArgs, session: &mut Session) -> Result<(), Trouble
         session.release()?;
         return Err(trouble);
     }
-    said(session, &format!("automatic detection is set{}", kept(args.store)))?;
+    session.say(&format!("automatic detection is set{}", kept(args.store)));
     session.activate(args.delay, None)?;
     // The questions are the traffic by which it finds the bit rate.
     let back = wait_until_back(session, args.wait);
-    session.release()?;
+    let released = session.release();
     let after = back?;
-    said(session, &format!("the device found the bit rate after {:.1} s", after.as_secs_f64()))
+    released?;
+    session.say(&format!("the device found the bit rate after {:.1} s", after.as_secs_f64()));
+    Ok(())
 }
 
 fn configure(session: &mut Session, service: Service, store: bool) -> Result<(), Trouble> {
@@ -117,9 +129,8 @@ fn configure(session: &mut Session, service: Service, store: bool) -> Result<(),
 }
 
 /// Asks the device in configuration until it answers.
-fn wait_until_back(session: &mut Session, seconds: u16) -> Result<Duration, Trouble> {
+fn wait_until_back(session: &mut Session, until: Duration) -> Result<Duration, Trouble> {
     let (begin, pace) = (Instant::now(), session.pace());
-    let until = Duration::from_secs(seconds.into());
     session.with_timeout(ASK_AGAIN);
     let result = loop {
         match session.inquire_node_id() {
@@ -128,7 +139,7 @@ fn wait_until_back(session: &mut Session, seconds: u16) -> Result<Duration, Trou
             Err(other) => break Err(other),
         }
         if begin.elapsed() >= until {
-            break Err(Trouble::NotBack(seconds));
+            break Err(Trouble::NotBack(until));
         }
     };
     session.with_timeout(Duration::from_micros(pace.answer_timeout.0));
@@ -139,7 +150,7 @@ fn wait_until_back(session: &mut Session, seconds: u16) -> Result<Duration, Trou
 pub(super) fn warn(session: &Session, activated: Activated) {
     if let (false, Some(took)) = (activated.in_time, activated.reconfiguration) {
         let ms = took.as_millis();
-        eprintln!(
+        tell!(
             "canbaud: {} took {ms} ms to change its bit rate, longer than the second period: \
              what devices sent by then is lost",
             session.channel()
@@ -149,11 +160,4 @@ pub(super) fn warn(session: &Session, activated: Activated) {
 
 const fn kept(store: bool) -> &'static str {
     if store { " and stored" } else { ", until the device is switched off" }
-}
-
-fn said(session: &Session, what: &str) -> Result<(), Trouble> {
-    if !session.is_dry() {
-        writeln!(io::stdout().lock(), "{what}")?;
-    }
-    Ok(())
 }

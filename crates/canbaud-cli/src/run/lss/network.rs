@@ -1,7 +1,5 @@
 //! `canbaud lss activate`: the whole network at once.
 
-use std::io::{self, Write};
-
 use canbaud::lss::{LssState, Service};
 
 use super::args::ActivateArgs;
@@ -15,14 +13,13 @@ pub(super) fn activate(args: &ActivateArgs, session: &mut Session) -> Result<(),
     let activated = session.activate(args.delay, args.to)?;
     warn(session, activated);
     session.release()?;
-    if session.is_dry() {
-        return Ok(());
-    }
-    let channel = session.channel();
-    let mut out = io::stdout().lock();
+    let channel = session.channel().clone();
     match args.to {
-        Some(rate) => writeln!(out, "activated; {channel} is at {rate} now")?,
-        None => writeln!(out, "activated; {channel} stays at its bit rate")?,
+        Some(rate) => {
+            session.say(&format!("activated; {channel} is at {rate} now"));
+            session.keep(rate);
+        }
+        None => session.say(&format!("activated; {channel} stays at its bit rate")),
     }
     Ok(())
 }

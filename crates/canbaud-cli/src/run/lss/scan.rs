@@ -9,6 +9,7 @@ use serde_json::json;
 use super::args::ScanArgs;
 use super::session::Session;
 use super::trouble::Trouble;
+use crate::tell::tell;
 
 /// Finds devices until none answers; all are in waiting afterwards.
 pub(super) fn scan(args: &ScanArgs, session: &mut Session) -> Result<(), Trouble> {
@@ -22,8 +23,8 @@ pub(super) fn scan(args: &ScanArgs, session: &mut Session) -> Result<(), Trouble
     let count = outcome?;
     released?;
     if count == 0 && !session.is_dry() {
-        eprintln!("canbaud: no device without node-ID answers");
-        eprintln!("  hint: those with a node-ID never answer a scan: canbaud lss inquire");
+        tell!("canbaud: no device without node-ID answers");
+        tell!("  hint: those with a node-ID never answer a scan: canbaud lss inquire");
     }
     Ok(())
 }

@@ -52,18 +52,20 @@ pub(super) fn serve(args: &ServeArgs, session: &mut Session) -> Result<(), Troub
 
 fn play(args: &ServeArgs, session: &mut Session) -> Result<(), LinkError> {
     // A channel that cannot listen silently must not be used for detection.
-    let automatic =
-        if session.channel().is_virtual() { Automatic::Offered } else { Automatic::Refused };
+    let automatic = match session.bus() {
+        Some(bus) if bus.is_virtual() => Automatic::Offered,
+        Some(_) | None => Automatic::Refused,
+    };
     let mut devices: Vec<Device> = (0..args.count).map(|n| device(args, automatic, n)).collect();
     for device in &devices {
         told(&format!("{} waits", device.memory.name));
     }
     let Some(bus) = session.bus() else { return Ok(()) };
-    let latency = Micros::from_ms(args.latency);
+    let latency = args.latency;
     let began = Instant::now();
-    let end = args.seconds.map_or(Micros::MAX, |seconds| Micros::from_ms(seconds * 1000));
+    let end = args.duration.map_or(Micros::MAX, micros);
     loop {
-        let now = Micros(u64::try_from(began.elapsed().as_micros()).unwrap_or(u64::MAX));
+        let now = micros(began.elapsed());
         if now >= end {
             return Ok(());
         }
@@ -73,12 +75,16 @@ fn play(args: &ServeArgs, session: &mut Session) -> Result<(), LinkError> {
         let due = devices.iter().map(Device::deadline).min().unwrap_or(Micros::MAX).min(end);
         let wait = Duration::from_micros((due - now).0).min(SLICE);
         if let Some(frame) = bus.receive(wait)? {
-            let now = Micros(u64::try_from(began.elapsed().as_micros()).unwrap_or(u64::MAX));
+            let now = micros(began.elapsed());
             for device in &mut devices {
                 device.inbox.push_back((now + latency, frame));
             }
         }
     }
+}
+
+fn micros(time: Duration) -> Micros {
+    Micros(u64::try_from(time.as_micros()).unwrap_or(u64::MAX))
 }
 
 fn device(args: &ServeArgs, automatic: Automatic, place: u8) -> Device {

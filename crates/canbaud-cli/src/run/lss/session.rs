@@ -16,8 +16,9 @@ use super::args::{DeviceArgs, LineArgs};
 use super::channel::Channel;
 use super::trouble::{Trouble, name};
 use crate::run::live::Stop;
+use crate::tell::tell;
 
-/// A channel that is given up when a signal comes; it is put back as it goes out of use.
+/// A channel that is given up when a signal comes.
 struct Watched {
     bus: Box<dyn FrameBus>,
     stop: Stop,
@@ -39,6 +40,22 @@ impl FrameBus for Watched {
     fn set_bitrate(&mut self, bitrate: Bitrate) -> Result<(), LinkError> {
         self.bus.set_bitrate(bitrate)
     }
+
+    fn is_virtual(&self) -> bool {
+        self.bus.is_virtual()
+    }
+
+    fn keep(&mut self) -> bool {
+        self.bus.keep()
+    }
+
+    fn restore(&mut self) -> Result<bool, LinkError> {
+        self.bus.restore()
+    }
+
+    fn by_hand(&self) -> Option<String> {
+        self.bus.by_hand()
+    }
 }
 
 /// What the frames go out on.
@@ -52,27 +69,54 @@ pub(super) struct Session {
     line: Line,
     channel: Channel,
     pace: Pace,
+    /// Why something could not be said; what was begun goes on all the same.
+    unsaid: Option<io::Error>,
 }
 
 impl Session {
     /// Opens the channel, if the user allows to transmit on it.
     pub(super) fn open(args: &LineArgs) -> Result<Self, Trouble> {
         let channel = args.on.clone();
-        let pace = Pace {
-            answer_timeout: Micros::from_ms(args.timeout),
-            inhibit: Micros::from_ms(args.inhibit),
-            ..Pace::default()
-        };
+        let pace = Pace { answer_timeout: args.timeout, inhibit: args.inhibit, ..Pace::default() };
         let line = if args.dry_run {
             Line::Dry
         } else if args.transmit {
-            eprintln!("canbaud: transmits on {channel}");
             let stop = Stop::install()?;
-            Line::Live(Watched { bus: channel.open(args.own_bitrate)?, stop })
+            let bus = channel.open(args.own_bitrate)?;
+            tell!("canbaud: transmits on {channel}");
+            Line::Live(Watched { bus, stop })
         } else {
             return Err(Trouble::NotAllowed(channel.to_string()));
         };
-        Ok(Self { line, channel, pace })
+        Ok(Self { line, channel, pace, unsaid: None })
+    }
+
+    /// What came of a step; whether anybody reads it must not keep the next step from being done.
+    pub(super) fn say(&mut self, text: &str) {
+        if !self.is_dry() {
+            self.unsaid = self.unsaid.take().or(writeln!(io::stdout().lock(), "{text}").err());
+        }
+    }
+
+    /// A bit rate that an interface was changed to stays behind the command.
+    pub(super) fn keep(&mut self, bitrate: Bitrate) {
+        if let Line::Live(bus) = &mut self.line
+            && bus.keep()
+        {
+            tell!("canbaud: {} stays at {bitrate}bit/s", self.channel);
+        }
+    }
+
+    /// Puts the channel back as it was found, and says what happened.
+    pub(super) fn end(mut self) -> Result<(), Trouble> {
+        if let Line::Live(bus) = &mut self.line {
+            match bus.restore() {
+                Ok(true) => tell!("canbaud: {} is put back as it was found", self.channel),
+                Ok(false) => {}
+                Err(error) => return Err(Trouble::NotRestored(error, bus.by_hand())),
+            }
+        }
+        self.unsaid.map_or(Ok(()), |error| Err(Trouble::Output(error)))
     }
 
     /// What an error of the channel means: the signal, if one came.

@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::io;
+use std::time::Duration;
 
 use canbaud::lss::{FastscanError, LssAddress, Outcome, Service, ServiceError};
 use canbaud_link::LinkError;
@@ -25,9 +26,11 @@ pub(super) enum Trouble {
     /// The same device answered again.
     Again(LssAddress),
     /// The device did not come back.
-    NotBack(u16),
+    NotBack(Duration),
     /// A signal of this number came.
     Stopped(u8),
+    /// The channel is not as it was found, and how a person puts it back.
+    NotRestored(LinkError, Option<String>),
     /// The output cannot be written.
     Output(io::Error),
 }
@@ -60,19 +63,28 @@ impl fmt::Display for Trouble {
                 f,
                 "{address} answers the scan again although it was found: the scan ends here"
             ),
-            Self::NotBack(seconds) => {
+            Self::NotBack(time) => {
+                let seconds = time.as_secs_f64();
                 write!(
                     f,
                     "the device did not answer within {seconds} s at the bit rate of this bus"
                 )
             }
+            Self::NotRestored(error, _) => f.write_str(&printable(&error.to_string())),
             Self::Output(error) => write!(f, "cannot write: {error}"),
         }
     }
 }
 
 impl Trouble {
-    pub(super) const fn hint(&self) -> Option<&'static str> {
+    pub(super) fn hint(&self) -> Option<String> {
+        if let Self::NotRestored(_, Some(way)) = self {
+            return Some(format!("put it back by hand: {}", printable(way)));
+        }
+        self.fixed_hint().map(str::to_owned)
+    }
+
+    const fn fixed_hint(&self) -> Option<&'static str> {
         match self {
             Self::NotAllowed(_) => Some("--dry-run shows the frames and opens nothing"),
             Self::Service(_, ServiceError::NoAnswer(_)) => Some(
@@ -93,7 +105,7 @@ impl Trouble {
     pub(super) fn exit(&self) -> Exit {
         match self {
             Self::Usage(_) | Self::NotAllowed(_) => Exit::Usage,
-            Self::Link(_) => Exit::Unusable,
+            Self::Link(_) | Self::NotRestored(..) => Exit::Unusable,
             Self::Stopped(signal) => Exit::Stopped(*signal),
             Self::Service(_, ServiceError::NoAnswer(_)) | Self::NotBack(_) => Exit::NoTraffic,
             Self::Service(..) | Self::Fastscan(_) | Self::Again(_) => Exit::Undecided,

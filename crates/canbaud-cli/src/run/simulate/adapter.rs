@@ -141,11 +141,13 @@ impl Server {
         } else {
             self.backlog.extend(output);
         }
+        // Before the host knows: whoever reads the log then finds there what was answered.
+        self.write_log()?;
         let most = usize::try_from(self.bytes_left).unwrap_or(usize::MAX);
         let written = self.pty.write(&self.backlog[..self.backlog.len().min(most)])?;
         self.bytes_left -= written as u64;
         self.backlog.drain(..written);
-        self.write_log()
+        Ok(())
     }
 
     /// Line by line, for whoever reads along or ends this program.

@@ -12,6 +12,8 @@ use canbaud_sim::scenario::Scenario;
 pub(crate) use args::SimulateArgs;
 
 use crate::exit::Exit;
+use crate::printable::printable;
+use crate::tell::tell;
 
 /// How a simulation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,23 +24,36 @@ enum Outcome {
     Missed,
 }
 
-/// Exit codes: 0 good, 2 bad scenario, 3 expectation missed, 5 a file cannot be written.
+/// Exit codes: 0 good, 2 bad scenario, 3 expectation missed, 5 a file cannot be read or written.
 pub(crate) fn simulate(args: &SimulateArgs) -> Exit {
-    let scenario = match Scenario::read(&args.scenario) {
+    let name = args.scenario.display().to_string();
+    let text = match std::fs::read_to_string(&args.scenario) {
+        Ok(text) => text,
+        Err(error) => {
+            tell!("canbaud: {}: cannot read: {error}", printable(&name));
+            return Exit::Unreadable;
+        }
+    };
+    let scenario = match Scenario::parse(&name, &text) {
         Ok(scenario) => scenario,
         Err(error) => {
-            eprintln!("canbaud: {error}");
-            eprintln!("hint: docs/scenarios.md describes every key");
+            tell!("canbaud: {}", printable(&error.to_string()));
+            tell!("  hint: docs/scenarios.md describes every key");
             return Exit::Usage;
         }
     };
+    if let Some(node) = args.slcan.as_deref().filter(|node| scenario.node(node).is_none()) {
+        let (node, nodes) = (printable(node), scenario.node_names().join(", "));
+        tell!("canbaud: {}: no node \"{node}\"; there are {}", printable(&name), printable(&nodes));
+        return Exit::Usage;
+    }
     match dispatch(args, &scenario) {
         Ok(Outcome::Good) => Exit::Found,
         Ok(Outcome::Missed) => Exit::Undecided,
         // A reader that has seen enough is no trouble.
         Err(error) if is_closed_pipe(&error) => Exit::Found,
         Err(error) => {
-            eprintln!("canbaud: {error:#}");
+            tell!("canbaud: {error:#}");
             Exit::Unreadable
         }
     }

@@ -10,6 +10,7 @@ use canbaud_sim::{Blind, Observer};
 
 use super::args::SimulateArgs;
 use super::{Outcome, files};
+use crate::tell::tell;
 
 pub(super) fn run(args: &SimulateArgs, scenario: &Scenario) -> Result<Outcome> {
     let seed = args.seed.unwrap_or(scenario.seed);
@@ -20,7 +21,7 @@ pub(super) fn run(args: &SimulateArgs, scenario: &Scenario) -> Result<Outcome> {
         let mut checker = Checker::new(run.sim());
         observe(args, scenario, &mut run, &mut checker, &mut recorder, records)?;
         for violation in checker.first() {
-            eprintln!("law broken: {violation}");
+            tell!("law broken: {violation}");
         }
         checker.violations()
     } else {
@@ -36,7 +37,7 @@ pub(super) fn run(args: &SimulateArgs, scenario: &Scenario) -> Result<Outcome> {
         summary(&run, seed)?;
     }
     for miss in &misses {
-        eprintln!("expectation missed: {}: {miss}", args.scenario.display());
+        tell!("expectation missed: {}: {miss}", args.scenario.display());
     }
     let good = misses.is_empty() && violations == 0;
     Ok(if good { Outcome::Good } else { Outcome::Missed })

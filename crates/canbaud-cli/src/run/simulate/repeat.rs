@@ -14,6 +14,7 @@ use serde_json::json;
 
 use super::Outcome;
 use super::args::SimulateArgs;
+use crate::output::{bitrate, count};
 
 /// One run of many.
 struct Result1 {
@@ -86,6 +87,35 @@ fn spread(values: &[f64]) -> serde_json::Value {
     json!({ "min": min, "mean": values.iter().sum::<f64>() / values.len() as f64, "max": max })
 }
 
+/// `; found 250 kbit/s in 48 runs, nothing in 2`; nothing of a node that looks for none.
+fn found_in_words(found: &serde_json::Value) -> String {
+    let all = found.as_object().into_iter().flatten();
+    let (none, rates): (Vec<_>, Vec<_>) = all.partition(|(rate, _)| *rate == "none");
+    if rates.is_empty() {
+        return String::new();
+    }
+    let runs = |times: &serde_json::Value| times.as_u64().unwrap_or(0);
+    let rates = rates.into_iter().map(|(rate, times)| {
+        let rate = bitrate(rate.parse().unwrap_or(0));
+        format!("{rate} in {}", count(runs(times), "run", "runs"))
+    });
+    let none = none.into_iter().map(|(_, times)| format!("nothing in {}", runs(times)));
+    format!("; found {}", rates.chain(none).collect::<Vec<_>>().join(", "))
+}
+
+/// `seed 7: what was missed; 2 laws broken`.
+fn miss_in_words(miss: &serde_json::Value) -> String {
+    let misses = miss["misses"].as_array().into_iter().flatten().filter_map(|one| one.as_str());
+    let mut parts: Vec<String> = misses.map(str::to_owned).collect();
+    match miss["violations"].as_u64() {
+        None | Some(0) => {}
+        Some(times) => {
+            parts.push(format!("the law of the bus broken {}", count(times, "time", "times")));
+        }
+    }
+    format!("seed {}: {}", miss["seed"], parts.join("; "))
+}
+
 fn report(args: &SimulateArgs, runs: &[(u64, Result1)]) -> Result<Outcome> {
     let missed: Vec<_> = runs
         .iter()
@@ -127,18 +157,37 @@ fn report(args: &SimulateArgs, runs: &[(u64, Result1)]) -> Result<Outcome> {
             let mean = |key: &str| node[key]["mean"].as_f64().unwrap_or(0.0);
             writeln!(
                 out,
-                "{}: sent {:.1}, received {:.1}, errors {:.1}, bus-off {:.2} on average; found {}",
+                "{}: sent {:.1}, received {:.1}, errors {:.1}, bus-off {:.2} on average{}",
                 node["name"].as_str().unwrap_or("?"),
                 mean("transmitted"),
                 mean("received"),
                 mean("errors"),
                 mean("bus_off"),
-                node["found_bitrate"]
+                found_in_words(&node["found_bitrate"])
             )?;
         }
         for miss in &missed {
-            writeln!(out, "seed {}: {} {}", miss["seed"], miss["misses"], miss["violations"])?;
+            writeln!(out, "{}", miss_in_words(miss))?;
         }
     }
     Ok(if good { Outcome::Good } else { Outcome::Missed })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_found_is_said_in_words() {
+        assert_eq!(found_in_words(&json!({ "none": 50 })), "");
+        assert_eq!(
+            found_in_words(&json!({ "250000": 47, "500000": 1, "none": 2 })),
+            "; found 250 kbit/s in 47 runs, 500 kbit/s in 1 run, nothing in 2"
+        );
+        let miss = json!({ "seed": 7, "misses": ["node a: late", "b"], "violations": 1 });
+        assert_eq!(
+            miss_in_words(&miss),
+            "seed 7: node a: late; b; the law of the bus broken 1 time"
+        );
+    }
 }

@@ -56,7 +56,7 @@ pub(crate) struct TimingArgs {
     #[arg(long)]
     pub(super) equal_sample_points: bool,
 
-    /// Synchronisation jump width in time quanta, or largest
+    /// Synchronization jump width in time quanta, or largest
     #[arg(long, value_name = "N", default_value = "largest", value_parser = sjw)]
     pub(super) sjw: SjwPolicy,
 

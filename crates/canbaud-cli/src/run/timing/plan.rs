@@ -13,6 +13,7 @@ use super::args::{Policy, TimingArgs};
 use super::refusal::Refusal;
 use super::{autobaud, decode, json, names, tables, text};
 use crate::exit::Exit;
+use crate::tell::tell;
 
 /// Most settings that can be listed; `--count` goes up to this.
 const LISTED_MAX: usize = 20;
@@ -228,7 +229,7 @@ fn several(
         );
         match coding {
             Ok(coding) => configuration.pwm = Some(coding),
-            Err(error) => eprintln!("canbaud: the XL data phase stays without PWM: {error}"),
+            Err(error) => tell!("canbaud: the XL data phase stays without PWM: {error}"),
         }
     }
     let mut phases = vec![PhaseAnswer {

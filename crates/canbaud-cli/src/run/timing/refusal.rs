@@ -4,6 +4,7 @@ use canbaud::timing::physics_fit::BusError;
 use canbaud::timing::{Rate, SolveError, fd::PhasesError};
 
 use crate::exit::Exit;
+use crate::tell::tell;
 
 /// A refusal on its way to the user.
 #[derive(Debug)]
@@ -45,9 +46,9 @@ impl Refusal {
 
     /// Tells the user, as JSON too if that is what is read.
     pub(super) fn tell(&self, json: bool) -> Exit {
-        eprintln!("canbaud: {}", self.line);
+        tell!("canbaud: {}", self.line);
         if let Some(hint) = &self.hint {
-            eprintln!("  hint: {hint}");
+            tell!("  hint: {hint}");
         }
         if json && let Ok(line) = self.json() {
             super::text::print(&line);

@@ -102,6 +102,12 @@ impl Link {
         }
     }
 
+    /// Whether it has no bit rate at all; the name says nothing.
+    #[must_use]
+    pub fn is_virtual(&self) -> bool {
+        matches!(self.kind.as_deref(), Some("vcan" | "vxcan"))
+    }
+
     /// Whether it is a CAN interface of any kind.
     #[must_use]
     pub const fn is_can(&self) -> bool {

@@ -77,3 +77,26 @@ fn delay_compensation_goes_with_can_fd_only() {
     let change = Saved::of(&link).change(&link, Form::Segments);
     assert_eq!((change.tdc, change.data_timing), (None, None));
 }
+
+#[test]
+fn the_way_back_by_hand_is_what_ip_link_takes() {
+    let mut found = link(ctrlmode::LOOPBACK, Some(TimingInfo { sjw: 3, ..TIMING }));
+    if let Some(can) = &mut found.can {
+        can.ctrlmode_supported = Some(ctrlmode::LOOPBACK | ctrlmode::LISTEN_ONLY);
+    }
+    assert_eq!(
+        Saved::of(&found).by_hand("can0"),
+        "ip link set can0 down; ip link set can0 type can bitrate 500000 sample-point 0.875 sjw 3 \
+         listen-only off loopback on; ip link set can0 up"
+    );
+    let mut down = link(ctrlmode::FD, None);
+    down.flags = LinkFlags(0);
+    if let Some(can) = &mut down.can {
+        can.data_timing = Some(TimingInfo { bitrate: 2_000_000, sample_point: 750, ..TIMING });
+    }
+    assert_eq!(
+        Saved::of(&down).by_hand("can1"),
+        "ip link set can1 down; ip link set can1 type can dbitrate 2000000 dsample-point 0.750 \
+         dsjw 1 listen-only off fd on"
+    );
+}

@@ -80,6 +80,98 @@ fn a_pcan_usb_that_only_claims_to_be_silent_is_refused() {
     assert!(Profile::of(&link(can()), &peak(Some((0x000D, 0x0100)))).is_ok());
 }
 
+/// As in a container: no sysfs, or one with an interface of the same name outside.
+mod where_sysfs_is_hidden {
+    use super::*;
+
+    fn named(name: &str) -> Link {
+        let mut can = controller(LISTEN);
+        can.counters = Some(ErrorCounters { transmit: 0, receive: 0 });
+        if let Some(limits) = &mut can.timing_const {
+            limits.name = name.to_owned();
+        }
+        link(can)
+    }
+
+    fn hidden(name: &str) -> (Device, Result<Profile, LinkError>) {
+        let link = named(name);
+        let device = Device::read(Path::new("/nonexistent"), &link);
+        let profile = Profile::of(&link, &device);
+        (device, profile)
+    }
+
+    /// Trap: without its driver's name, PCAN-USB would pass for one that listens.
+    #[test]
+    fn a_pcan_usb_is_refused_by_what_its_controller_is_called() {
+        let (device, profile) = hidden("pcan_usb");
+        assert_eq!(device.driver.as_deref(), Some("peak_usb"));
+        let error = profile.unwrap_err().to_string();
+        assert!(error.contains("hardware revision of this PEAK adapter cannot be read"), "{error}");
+    }
+
+    /// Later ones are silent in every revision; their state changes look like frames, too.
+    #[test]
+    fn later_pcan_adapters_are_known_with_their_traps() {
+        for name in
+            ["pcan_usb_pro", "pcan_usb_fd", "pcan_usb_pro_fd", "pcan_usb_x6", "pcan_chip_usb"]
+        {
+            let profile = hidden(name).1.unwrap();
+            assert_eq!(profile.driver.as_deref(), Some("peak_usb"), "{name}");
+            assert_eq!(profile.evidence, Evidence::Counter, "{name}");
+            assert!(profile.settle > Duration::ZERO, "{name}");
+        }
+    }
+
+    #[test]
+    fn what_others_tell_of_a_wrong_rate_is_known() {
+        for (name, driver, evidence) in [
+            ("kvaser_usb_leaf", "kvaser_usb", Evidence::Errors),
+            ("usb_8dev", "usb_8dev", Evidence::Errors),
+            ("mcp251x", "mcp251x", Evidence::FramesOnly),
+            ("gs_usb", "gs_usb", Evidence::FramesOnly),
+        ] {
+            let profile = hidden(name).1.unwrap();
+            assert_eq!((profile.driver.as_deref(), profile.evidence), (Some(driver), evidence));
+        }
+    }
+
+    /// sysfs as the kernel lays it out, with the interface `can0`.
+    fn sysfs(index: u32, driver: &str, usb: (&str, &str)) -> tempfile::TempDir {
+        let root = tempfile::tempdir().unwrap();
+        let at = |path: &str| root.path().join(path);
+        for directory in ["class/net/can0", "devices/1-1/1-1:1.0", "drivers"] {
+            fs::create_dir_all(at(directory)).unwrap();
+        }
+        let link = std::os::unix::fs::symlink::<std::path::PathBuf, std::path::PathBuf>;
+        link(at("devices/1-1/1-1:1.0"), at("class/net/can0/device")).unwrap();
+        link(at("drivers").join(driver), at("devices/1-1/1-1:1.0/driver")).unwrap();
+        fs::write(at("class/net/can0/ifindex"), format!("{index}\n")).unwrap();
+        fs::write(at("devices/1-1/idProduct"), usb.0).unwrap();
+        fs::write(at("devices/1-1/bcdDevice"), usb.1).unwrap();
+        root
+    }
+
+    #[test]
+    fn an_interface_of_the_same_name_outside_is_not_taken_for_this_one() {
+        let link = named("pcan_usb");
+        let read = |sys: &tempfile::TempDir| Device::read(sys.path(), &link);
+        let revision_8 = sysfs(5, "peak_usb", ("000c\n", "0800\n"));
+        assert_eq!(read(&revision_8).usb, Some((0x000C, 0x0800)));
+        assert!(Profile::of(&link, &read(&revision_8)).is_ok());
+        // Another number, or another driver than that of the controller: it is another interface.
+        for other in
+            [sysfs(6, "peak_usb", ("000c\n", "0800\n")), sysfs(5, "gs_usb", ("606f\n", "0800\n"))]
+        {
+            assert_eq!(read(&other), device("peak_usb"));
+            assert!(Profile::of(&link, &read(&other)).is_err());
+        }
+        // A family shares the controller: the driver is the one that is seen.
+        let card = sysfs(5, "kvaser_pci", ("", ""));
+        let device = Device::read(card.path(), &named("sja1000"));
+        assert_eq!(device.driver.as_deref(), Some("kvaser_pci"));
+    }
+}
+
 #[test]
 fn what_a_driver_tells_of_a_wrong_rate() {
     let counters = Some(ErrorCounters { transmit: 0, receive: 0 });

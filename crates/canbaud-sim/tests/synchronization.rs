@@ -1,5 +1,5 @@
-//! The corners of synchronisation: phase error below, at and above SJW, of both signs, in each
-//! segment; and the edges that must not synchronise.
+//! The corners of synchronization: phase error below, at and above SJW, of both signs, in each
+//! segment; and the edges that must not synchronize.
 
 mod common;
 
@@ -158,7 +158,7 @@ fn after_pulses(pulses: &[(i64, i64)], until: i64) -> (Simulation, NodeId) {
 }
 
 #[test]
-fn only_the_first_edge_between_two_sample_points_synchronises() {
+fn only_the_first_edge_between_two_sample_points_synchronizes() {
     // SOF, one recessive bit, a glitch of 2 quanta with error 1 and a second edge with error 5.
     let bit = 2 * QUANTA;
     let pulses = [(0, QUANTA), (bit + 1, 2), (bit + 5, QUANTA)];
@@ -169,7 +169,7 @@ fn only_the_first_edge_between_two_sample_points_synchronises() {
 }
 
 #[test]
-fn edge_after_a_dominant_sample_does_not_synchronise() {
+fn edge_after_a_dominant_sample_does_not_synchronize() {
     // SOF was sampled dominant; the line blinks recessive in PHASE_SEG2 and comes back.
     let pulses = [(0, SAMPLE + 1), (SAMPLE + 3, QUANTA)];
     let (sim, ear) = after_pulses(&pulses, 2 * QUANTA);
@@ -178,7 +178,7 @@ fn edge_after_a_dominant_sample_does_not_synchronise() {
 }
 
 #[test]
-fn recessive_edges_do_not_synchronise() {
+fn recessive_edges_do_not_synchronize() {
     // One and a half bits dominant: the edge back to recessive lies in the middle of a bit.
     let (sim, ear) = after_pulses(&[(0, QUANTA * 3 / 2)], 4 * QUANTA);
     let corners = sim.node(ear).sync_corners();
@@ -186,7 +186,7 @@ fn recessive_edges_do_not_synchronise() {
 }
 
 #[test]
-fn glitch_on_an_idle_bus_is_a_hard_synchronisation_and_nothing_more() {
+fn glitch_on_an_idle_bus_is_a_hard_synchronization_and_nothing_more() {
     let (sim, ear) = after_pulses(&[(0, 3)], 10 * QUANTA);
     assert_eq!(sim.node(ear).sync_corners().hard, 1);
     assert_eq!(sim.node(ear).fault().rec(), 0);
@@ -248,7 +248,7 @@ fn transmitter_that_sends_dominant_ignores_a_positive_phase_error() {
 }
 
 #[test]
-fn receivers_synchronise_hard_at_the_edge_from_fdf_to_res() {
+fn receivers_synchronize_hard_at_the_edge_from_fdf_to_res() {
     let mut sim = Simulation::new(1);
     let config = || node("n").with_data_bitrate(2_000_000).unwrap();
     let ids = [sim.add_node(config()).unwrap(), sim.add_node(config()).unwrap()];
