@@ -8,12 +8,15 @@ use crate::event::{Event, NodeId, Observer, Role};
 use crate::node::{Mode, NodeConfig, Wire};
 use crate::time::Time;
 
-/// Writes a line for each event; the first error of the writer is kept.
+/// Writes a line for each event; the first error of the writer is kept. Of nodes whose software
+/// tells what it does, that and their troubles are written, and not each frame.
 #[derive(Debug)]
 pub struct Timeline<W> {
     out: W,
     names: Vec<String>,
     width: usize,
+    /// Nodes whose software tells what it does: whether they take part, else `None`.
+    telling: Vec<Option<Part>>,
     error: Option<io::Error>,
 }
 
@@ -32,7 +35,8 @@ impl<W: Write> Timeline<W> {
     /// For nodes of these names.
     pub fn new(out: W, names: Vec<String>) -> Self {
         let width = names.iter().map(String::len).max().unwrap_or(0);
-        Self { out, names, width, error: None }
+        let telling = vec![None; names.len()];
+        Self { out, names, width, telling, error: None }
     }
 
     /// The writer, or the first error that it had.
@@ -56,8 +60,37 @@ impl<W: Write> Timeline<W> {
     }
 }
 
+/// What a node whose software tells what it does has to do with the bus.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Listens,
+    TakesPart,
+}
+
+/// Whether an event is for a reader who is told by the software what it does.
+const fn is_trouble(part: Part, event: &Event) -> bool {
+    match event {
+        Event::Fault(_) | Event::Overload | Event::Abandoned { .. } => true,
+        // While it listens, errors are what it listens for.
+        Event::Error { .. } => matches!(part, Part::TakesPart),
+        _ => false,
+    }
+}
+
 impl<W: Write> Observer for Timeline<W> {
+    fn told(&mut self, at: Time, node: NodeId, what: &str) {
+        if let Some(telling @ None) = self.telling.get_mut(node.0) {
+            *telling = Some(Part::Listens);
+        }
+        self.line(at, node, what);
+    }
+
     fn event(&mut self, at: Time, node: NodeId, event: &Event) {
+        if let Some(Some(part)) = self.telling.get(node.0)
+            && !is_trouble(*part, event)
+        {
+            return;
+        }
         let what = match event {
             Event::TransmissionStarted { frame, attempt: 1 } => {
                 format!("sends     {}", show(frame))
@@ -87,6 +120,10 @@ impl<W: Write> Observer for Timeline<W> {
     }
 
     fn reconfigured(&mut self, at: Time, node: NodeId, config: &NodeConfig) {
+        if let Some(Some(part)) = self.telling.get_mut(node.0) {
+            *part = if config.can_drive() { Part::TakesPart } else { Part::Listens };
+            return;
+        }
         let mode = match (config.wire, config.mode) {
             (Wire::Cut, _) => "is cut off",
             (Wire::Connected, Mode::Normal) => "is set up: normal",

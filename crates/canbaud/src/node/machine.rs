@@ -8,7 +8,7 @@ use super::search::{Search, Wish};
 use super::settings::{Means, Settings, SettingsError, Silence, Startup};
 use super::signal::{Action, Input, Sending};
 use crate::detect::scan::{Candidate, Candidates, FrameSeen, Observation, Origin};
-use crate::lss::RateSetting;
+use crate::lss::{NodeId, RateSetting};
 use crate::units::{Bitrate, Micros};
 use crate::wire::Logic;
 
@@ -170,9 +170,22 @@ impl<const N: usize, const R: usize> Node<N, R> {
         Ok(())
     }
 
-    /// Allows or forbids sending, as LSS does around an activation.
+    /// Allows or forbids sending, as LSS does around an activation. When it is forbidden, the device
+    /// takes back what waits in the controller.
     pub const fn set_sending(&mut self, sending: Sending) {
         self.sending = sending;
+        if let (Sending::Forbidden, Phase::Active(active)) = (sending, &mut self.phase) {
+            active.take_back();
+        }
+    }
+
+    /// The NMT state reset communication, with this node-ID from then on: what LSS and the NMT
+    /// master ask for. If the node takes part it sends its boot-up message anew.
+    pub const fn reset_communication(&mut self, node_id: NodeId) {
+        self.settings.node_id = node_id;
+        if let Phase::Active(active) = &mut self.phase {
+            active.reset_communication();
+        }
     }
 
     fn begin(&mut self, now: Micros, first: Bitrate) {

@@ -5,6 +5,7 @@ mod args;
 mod files;
 mod once;
 mod repeat;
+mod told;
 
 use anyhow::Result;
 use canbaud_sim::scenario::Scenario;

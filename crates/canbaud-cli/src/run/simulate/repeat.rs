@@ -6,9 +6,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
 use anyhow::{Result, anyhow};
+use canbaud_lab::Autonomous;
 use canbaud_sim::Blind;
 use canbaud_sim::check::Checker;
-use canbaud_sim::scenario::{Run, Scenario, Statistics};
+use canbaud_sim::scenario::{NodeStats, Run, Scenario, Statistics};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 
@@ -23,7 +24,7 @@ struct Result1 {
 }
 
 fn one(scenario: &Scenario, seed: u64, check: bool) -> Result<Result1> {
-    let mut run = Run::new(scenario, seed)?;
+    let mut run = Run::with(scenario, seed, &Autonomous)?;
     let violations = if check {
         let mut checker = Checker::new(run.sim());
         run.finish(&mut checker);
@@ -86,6 +87,15 @@ fn spread(values: &[f64]) -> serde_json::Value {
     json!({ "min": min, "mean": values.iter().sum::<f64>() / values.len() as f64, "max": max })
 }
 
+/// How many runs left an autonomous node in which stage; null for any other node.
+fn stages(all: &[&NodeStats]) -> serde_json::Value {
+    let mut stages: BTreeMap<&str, u64> = BTreeMap::new();
+    for stage in all.iter().filter_map(|node| node.stage.as_deref()) {
+        *stages.entry(stage).or_default() += 1;
+    }
+    if stages.is_empty() { serde_json::Value::Null } else { json!(stages) }
+}
+
 fn report(args: &SimulateArgs, runs: &[(u64, Result1)]) -> Result<Outcome> {
     let missed: Vec<_> = runs
         .iter()
@@ -96,7 +106,7 @@ fn report(args: &SimulateArgs, runs: &[(u64, Result1)]) -> Result<Outcome> {
     let mut table = Vec::new();
     for place in 0..nodes {
         let all: Vec<_> = runs.iter().map(|(_, run)| &run.statistics.nodes[place]).collect();
-        let numbers = |of: fn(&canbaud_sim::scenario::NodeStats) -> f64| -> Vec<f64> {
+        let numbers = |of: fn(&NodeStats) -> f64| -> Vec<f64> {
             all.iter().map(|node| of(node)).collect()
         };
         let mut found: BTreeMap<String, u64> = BTreeMap::new();
@@ -112,6 +122,8 @@ fn report(args: &SimulateArgs, runs: &[(u64, Result1)]) -> Result<Outcome> {
             "errors": spread(&numbers(|node| node.errors as f64)),
             "bus_off": spread(&numbers(|node| node.bus_off as f64)),
             "dominant": spread(&numbers(|node| node.dominant as f64)),
+            "broken_silence": spread(&numbers(|node| node.broken_silence as f64)),
+            "stage": stages(&all),
             "found_bitrate": found,
             "found_at_s": spread(&times),
         }));
@@ -127,13 +139,17 @@ fn report(args: &SimulateArgs, runs: &[(u64, Result1)]) -> Result<Outcome> {
             let mean = |key: &str| node[key]["mean"].as_f64().unwrap_or(0.0);
             writeln!(
                 out,
-                "{}: sent {:.1}, received {:.1}, errors {:.1}, bus-off {:.2} on average; found {}",
+                "{}: sent {:.1}, received {:.1}, errors {:.1}, bus-off {:.2} on average; found {}{}",
                 node["name"].as_str().unwrap_or("?"),
                 mean("transmitted"),
                 mean("received"),
                 mean("errors"),
                 mean("bus_off"),
-                node["found_bitrate"]
+                node["found_bitrate"],
+                match &node["stage"] {
+                    serde_json::Value::Null => String::new(),
+                    stages => format!("; in the end {stages}"),
+                }
             )?;
         }
         for miss in &missed {
