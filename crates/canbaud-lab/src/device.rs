@@ -7,7 +7,7 @@ use canbaud::detect::scan::{
 };
 use canbaud::fault;
 use canbaud::lss::{RateSetting, Slave, SlaveAction};
-use canbaud::node::{Action, Input, NmtState, Node, Sending, Settings, Stage, load, save};
+use canbaud::node::{Action, Input, NmtState, Node, Sending, Settings, Stage, boot_up, load, save};
 use canbaud::timing::default_sample_point;
 use canbaud::units::{Bitrate, Permille};
 use canbaud::wire::{Frame, Level};
@@ -335,15 +335,21 @@ impl Device {
         {
             node.timer(timer.ticks(sim.now()), logic(self.line));
         }
-        while let Some(action) = self.software.as_mut().and_then(|node| node.poll(now)) {
-            self.act(&action, sim);
-        }
+        self.follow(sim);
         self.turn_lss(sim);
-        if let Some(node) = &self.software {
-            self.journal.look(node);
-        }
         if self.produces() && self.next_pdo <= sim.now() {
             self.produce(sim);
+        }
+    }
+
+    /// Does what the node asks for.
+    fn follow(&mut self, sim: &mut Simulation) {
+        let now = micros(sim.now());
+        while let Some(node) = &mut self.software {
+            let action = node.poll(now);
+            self.journal.look(node);
+            let Some(action) = action else { return };
+            self.act(&action, sim);
         }
     }
 
@@ -398,9 +404,7 @@ impl Device {
                     node.reset_communication(node_id);
                 }
             }
-            while let Some(action) = self.software.as_mut().and_then(|node| node.poll(now)) {
-                self.act(&action, sim);
-            }
+            self.follow(sim);
         }
     }
 
@@ -422,6 +426,10 @@ impl Device {
                 self.switch(candidate, Purpose::TakePart, sim);
             }
             Action::Send(frame) => {
+                let node_id = self.software.as_ref().map(|node| node.settings().node_id);
+                if node_id.and_then(boot_up).as_ref() == Some(frame) {
+                    self.journal.tell(|| format!("sends its boot-up message {}", frame.id()));
+                }
                 self.under_way = Some(*frame);
                 sim.send_at(sim.now(), self.id, *frame);
             }

@@ -60,7 +60,9 @@ pub(super) fn plan(
         }
     };
     let span = |span: Option<Text<Span>>| span.map(|span| span.0).filter(|s| *s > Span::ZERO);
-    let tcc = node.lss.as_ref().and_then(|lss| lss.reconfiguration).or(table.reconfiguration);
+    if node.lss.as_ref().is_some_and(|lss| lss.reconfiguration.is_some()) {
+        return Err("give autonomous.reconfiguration instead of lss.reconfiguration".into());
+    }
     Ok(AutonomousPlan {
         node_id,
         rate,
@@ -68,7 +70,7 @@ pub(super) fn plan(
         start_up,
         listening,
         timer_hz,
-        reconfiguration: tcc.map_or(RECONFIGURATION, |span| span.0),
+        reconfiguration: table.reconfiguration.map_or(RECONFIGURATION, |span| span.0),
         silence: table.silence.as_ref().map(|table| silence(table, clock)).transpose()?,
         heartbeat: table.heartbeat.map_or(Some(HEARTBEAT), |period| span(Some(period))),
         pdo: span(table.pdo),

@@ -17,6 +17,8 @@ pub struct Timeline<W> {
     width: usize,
     /// Nodes whose software tells what it does: whether they take part, else `None`.
     telling: Vec<Option<Part>>,
+    /// By node: its last trouble, when it was told last, and how often since it was written.
+    again: Vec<Option<(String, Time, u64)>>,
     error: Option<io::Error>,
 }
 
@@ -35,8 +37,8 @@ impl<W: Write> Timeline<W> {
     /// For nodes of these names.
     pub fn new(out: W, names: Vec<String>) -> Self {
         let width = names.iter().map(String::len).max().unwrap_or(0);
-        let telling = vec![None; names.len()];
-        Self { out, names, width, telling, error: None }
+        let (telling, again) = (vec![None; names.len()], vec![None; names.len()]);
+        Self { out, names, width, telling, again, error: None }
     }
 
     /// The writer, or the first error that it had.
@@ -44,13 +46,39 @@ impl<W: Write> Timeline<W> {
     /// # Errors
     /// Whatever writing came to.
     pub fn finish(mut self) -> io::Result<W> {
+        for node in 0..self.names.len() {
+            self.settle(NodeId(node));
+        }
         match self.error {
             Some(error) => Err(error),
             None => self.out.flush().map(|()| self.out),
         }
     }
 
+    /// A trouble of a node whose software tells what it does: repetitions are counted.
+    fn trouble(&mut self, at: Time, node: NodeId, what: String) {
+        if let Some(Some((before, last, times))) = self.again.get_mut(node.0)
+            && *before == what
+        {
+            (*last, *times) = (at, *times + 1);
+            return;
+        }
+        self.line(at, node, &what);
+        if let Some(again) = self.again.get_mut(node.0) {
+            *again = Some((what, at, 0));
+        }
+    }
+
+    /// Writes how often the last trouble of `node` was repeated.
+    fn settle(&mut self, node: NodeId) {
+        let again = self.again.get_mut(node.0).and_then(Option::take);
+        if let Some((what, last, times @ 1..)) = again {
+            self.line(last, node, &format!("{what}: {times} times more"));
+        }
+    }
+
     fn line(&mut self, at: Time, node: NodeId, what: &str) {
+        self.settle(node);
         let name = self.names.get(node.0).map_or("?", String::as_str);
         let width = self.width;
         if self.error.is_none() {
@@ -116,7 +144,10 @@ impl<W: Write> Observer for Timeline<W> {
             // Every frame and every error counts; the state is what a reader looks for.
             Event::Counted { .. } | Event::RecoverySequence(_) => return,
         };
-        self.line(at, node, &what);
+        match self.telling.get(node.0) {
+            Some(Some(_)) => self.trouble(at, node, what),
+            _ => self.line(at, node, &what),
+        }
     }
 
     fn reconfigured(&mut self, at: Time, node: NodeId, config: &NodeConfig) {
