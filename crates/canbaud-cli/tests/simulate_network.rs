@@ -204,3 +204,78 @@ lss = { vendor_id = 0x29C, product_code = 1, revision_number = 1, serial_number 
         assert!(stderr(&output).contains("\"node-2\" is autonomous"), "{}", stderr(&output));
     }
 }
+
+/// On a channel without a bit rate the node of the bridge goes along with activations.
+#[cfg(target_os = "linux")]
+mod behind_a_channel {
+    use super::*;
+    use std::process::Command;
+
+    #[test]
+    fn nothing_is_opened_without_leave_to_transmit() {
+        let output = canbaud(&["simulate", NETWORK, "--bridge", "right", "--on", "can7"]);
+        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(stderr(&output), "canbaud: this transmits on can7: say --transmit\n");
+        let line = ["simulate", NETWORK, "--bridge", "node-2", "--on", "can7", "--transmit"];
+        assert!(stderr(&canbaud(&line)).contains("\"node-2\" is autonomous"));
+    }
+
+    const PLANT: &str = "
+title = 'a plant'
+duration = '5min'
+[[node]]
+name = 'right'
+bitrate = '250k'
+mode = 'disabled'
+[[node]]
+name = 'manager'
+bitrate = '250k'
+autonomous = { node_id = 1, start_up = 'mini-master', sync = '50ms', timer = '8M' }
+lss = { vendor_id = 0x29C, product_code = 1, revision_number = 1, serial_number = 1 }
+[[node]]
+name = 'drive'
+autonomous = { node_id = 2, timer = '8M', pdo = '50ms' }
+lss = { vendor_id = 0x29C, product_code = 1, revision_number = 1, serial_number = 2 }
+";
+
+    const STEPS: &str = r#"
+ip link set lo up && ip route add 224.0.0.0/4 dev lo || exit 77
+"$0" simulate plant.toml --bridge right --on udp:239.74.163.2:43113 --transmit > told &
+plant=$!
+trap 'kill $plant' EXIT
+until grep -q 'drive: operational' told; do kill -0 $plant || exit 1; sleep 0.02; done
+line='--on udp:239.74.163.2:43113 --transmit'
+"$0" lss set-bitrate 500k --address 29C:1:1:1 $line || exit 2
+"$0" lss activate --delay 1000 $line || exit 3
+"$0" lss inquire --address 29C:1:1:1 $line || exit 4
+until grep -q 'drive: takes part at 500kbit/s' told; do kill -0 $plant || exit 5; sleep 0.02; done
+"$0" lss auto --address 29C:1:1:2 --delay 1000 $line || exit 6
+"#;
+
+    /// In a network namespace of its own, where the loopback carries multicast.
+    #[test]
+    fn a_network_behind_udp_multicast_goes_to_another_rate_and_the_bridge_with_it() {
+        let directory = tempfile::tempdir().unwrap();
+        std::fs::write(directory.path().join("plant.toml"), PLANT).unwrap();
+        let output = Command::new("unshare")
+            .args(["--net", "--map-root-user", "sh", "-c", STEPS])
+            .arg(env!("CARGO_BIN_EXE_canbaud"))
+            .current_dir(&directory)
+            .output();
+        let Ok(output) = output else {
+            eprintln!("not run: there is no unshare here");
+            return;
+        };
+        let (out, err) = (stdout(&output), stderr(&output));
+        if output.status.code() == Some(77) || err.contains("unshare:") {
+            eprintln!("not run: no network namespace with a loopback here: {err}");
+            return;
+        }
+        let told = std::fs::read_to_string(directory.path().join("told")).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{out}\n{err}\n{told}");
+        assert!(out.contains("0000029C:00000001:00000001:00000001  node-ID 1"), "{out}");
+        assert!(out.contains("found the bit rate after"), "{out}");
+        assert!(told.contains("manager: LSS: switches to 500k"), "{told}");
+        assert!(told.contains("drive: LSS: switches to automatic"), "{told}");
+    }
+}

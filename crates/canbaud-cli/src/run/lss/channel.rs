@@ -78,7 +78,7 @@ impl fmt::Display for Channel {
 
 impl Channel {
     /// Opens it for sending.
-    pub(super) fn open(&self, bitrate: Option<Bitrate>) -> Result<Box<dyn FrameBus>, Trouble> {
+    pub(crate) fn open(&self, bitrate: Option<Bitrate>) -> Result<Box<dyn FrameBus>, Trouble> {
         Ok(match self {
             #[cfg(target_os = "linux")]
             Self::Interface(name) => {
@@ -106,7 +106,7 @@ impl Channel {
 
     /// Whether it is known that there is no bit rate on it, and nothing to be disturbed by a wrong
     /// one.
-    pub(super) fn is_virtual(&self) -> bool {
+    pub(crate) fn is_virtual(&self) -> bool {
         match self {
             Self::Interface(name) => name.starts_with("vcan") || name.starts_with("vxcan"),
             Self::Slcan { .. } => false,

@@ -11,10 +11,11 @@ mod session;
 mod trouble;
 
 pub(crate) use args::{LSS_HELP, LssArgs};
+pub(crate) use channel::Channel;
+pub(crate) use trouble::Trouble;
 
 use args::LssAction;
 use session::Session;
-use trouble::Trouble;
 
 use crate::exit::Exit;
 use crate::run::live::link_error;

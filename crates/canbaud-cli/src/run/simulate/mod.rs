@@ -2,6 +2,7 @@
 
 mod adapter;
 mod args;
+mod bridge;
 mod files;
 mod once;
 mod repeat;
@@ -25,7 +26,7 @@ enum Outcome {
 
 /// Exit codes: 0 good, 2 bad scenario, 3 expectation missed, 5 a file cannot be written.
 pub(crate) fn simulate(args: &SimulateArgs) -> Exit {
-    let scenario = match Scenario::read(&args.scenario) {
+    let mut scenario = match Scenario::read(&args.scenario) {
         Ok(scenario) => scenario,
         Err(error) => {
             eprintln!("canbaud: {error}");
@@ -33,6 +34,11 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Exit {
             return Exit::Usage;
         }
     };
+    scenario.duration = args.duration.unwrap_or(scenario.duration);
+    if let (Some(channel), false) = (&args.on, args.transmit) {
+        eprintln!("canbaud: this transmits on {channel}: say --transmit");
+        return Exit::Usage;
+    }
     match dispatch(args, &scenario) {
         Ok(Outcome::Good) => Exit::Found,
         Ok(Outcome::Missed) => Exit::Undecided,
@@ -54,6 +60,8 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
 fn dispatch(args: &SimulateArgs, scenario: &Scenario) -> Result<Outcome> {
     if let Some(node) = &args.slcan {
         adapter::serve(args, scenario, node)
+    } else if let (Some(node), Some(channel)) = (&args.bridge, &args.on) {
+        bridge::serve(args, scenario, node, channel)
     } else if let Some(count) = args.repeat {
         repeat::run(args, scenario, count)
     } else {
