@@ -102,11 +102,8 @@ lss = { vendor_id = 0x29C, product_code = 1, revision_number = 1, serial_number 
             let directory = tempfile::tempdir().unwrap();
             std::fs::write(directory.path().join("plant.toml"), PLANT).unwrap();
             let line = ["simulate", "plant.toml", "--slcan", "right", "--log", "log"];
-            let mut process = command(&line)
-                .current_dir(&directory)
-                .stdout(Stdio::piped())
-                .spawn()
-                .unwrap();
+            let mut process =
+                command(&line).current_dir(&directory).stdout(Stdio::piped()).spawn().unwrap();
             let mut path = String::new();
             BufReader::new(process.stdout.take().unwrap()).read_line(&mut path).unwrap();
             Self { process, channel: format!("slcan:{}", path.trim()), directory }

@@ -15,7 +15,7 @@ use canbaud_sim::around::CaptureTimer;
 use canbaud_sim::{BitTiming, Event, FaultState, Gate, Mode, NodeConfig, Simulation, Span, Time};
 
 use crate::config::{DeviceConfig, Listener};
-use crate::controller::{Purpose, blank, off, class, frame, logic, mode, where_at};
+use crate::controller::{Purpose, blank, class, frame, logic, mode, off, where_at};
 use crate::journal::Journal;
 use crate::lss::{StoredConfiguration, slave};
 use crate::memory::Memory;
@@ -489,7 +489,8 @@ impl Device {
         let frame = match self.config.sync {
             Some(_) => frame(0x080, &[self.counter]),
             None => {
-                let node_id = self.software.as_ref().map_or(0, |node| node.settings().node_id.get());
+                let node_id =
+                    self.software.as_ref().map_or(0, |node| node.settings().node_id.get());
                 let id = 0x180 + u16::from(node_id & 0x7F);
                 let counter = self.counter;
                 frame(id, &[counter, !counter, 0x5A, counter ^ 0x33, 0, 0, 0xFF, 1])

@@ -114,9 +114,7 @@ fn mistakes_are_named_with_file_line_and_allowed_values() {
             "only power can be changed",
         ),
         (
-            format!(
-                "{node}bitrate = '1M'\n[[change]]\nat = '1ms'\nnode = 'a'\npower = 'off'\n"
-            ),
+            format!("{node}bitrate = '1M'\n[[change]]\nat = '1ms'\nnode = 'a'\npower = 'off'\n"),
             6,
             "power is of autonomous nodes",
         ),
@@ -158,10 +156,7 @@ fn schema_and_documentation_have_every_key_and_no_other() {
         (&node["properties"]["lss"], format!("{a}lss = {{ zzz = 1 }}\n")),
         (&node["properties"]["autobaud"], format!("{a}autobaud = {{ zzz = 1 }}\n")),
         (&node["properties"]["autonomous"], format!("{a}autonomous = {{ zzz = 1 }}\n")),
-        (
-            &schema["$defs"]["silence"],
-            format!("{a}autonomous = {{ silence = {{ zzz = 1 }} }}\n"),
-        ),
+        (&schema["$defs"]["silence"], format!("{a}autonomous = {{ silence = {{ zzz = 1 }} }}\n")),
         (&schema["$defs"]["traffic"], format!("{a}[[traffic]]\nzzz = 1\n")),
         (&schema["$defs"]["disturbance"], format!("{a}[[disturbance]]\nzzz = 1\n")),
         (&schema["$defs"]["change"], format!("{a}[[change]]\nzzz = 1\n")),

@@ -17,12 +17,7 @@ const PROCESSING: Span = Span::from_us(1_000);
 const RECONFIGURATION: Span = Span::from_us(100);
 
 pub(super) const fn address(table: &LssTable) -> LssAddress {
-    LssAddress::new(
-        table.vendor_id,
-        table.product_code,
-        table.revision_number,
-        table.serial_number,
-    )
+    LssAddress::new(table.vendor_id, table.product_code, table.revision_number, table.serial_number)
 }
 
 pub(super) const fn storage(name: Option<StorageName>) -> LssStorage {

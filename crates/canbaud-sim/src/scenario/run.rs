@@ -104,11 +104,7 @@ impl Run {
     ///
     /// # Errors
     /// [`RunError`] if a clock would be impossible.
-    pub fn with(
-        scenario: &Scenario,
-        seed: u64,
-        supplier: &dyn Supplier,
-    ) -> Result<Self, RunError> {
+    pub fn with(scenario: &Scenario, seed: u64, supplier: &dyn Supplier) -> Result<Self, RunError> {
         Self::set_up(scenario, seed, Some(supplier))
     }
 
@@ -165,11 +161,7 @@ impl Run {
         Ok(())
     }
 
-    fn add_software(
-        &mut self,
-        seed: u64,
-        supplier: Option<&dyn Supplier>,
-    ) -> Result<(), RunError> {
+    fn add_software(&mut self, seed: u64, supplier: Option<&dyn Supplier>) -> Result<(), RunError> {
         for (index, member) in self.scenario.members.iter().enumerate() {
             let (Some(plan), node) = (&member.autonomous, NodeId(index)) else { continue };
             let name = || RunError::NoSoftware(member.config.name.clone());
@@ -181,10 +173,12 @@ impl Run {
             };
             let joins = member.joins.unwrap_or(Time::ZERO) + late;
             let mut power = vec![(joins, Power::On)];
-            power.extend(self.scenario.changes.iter().filter_map(|(at, of, change)| match change {
-                Change::Power(power) if *of == node => Some((*at, *power)),
-                _ => None,
-            }));
+            power.extend(self.scenario.changes.iter().filter_map(
+                |(at, of, change)| match change {
+                    Change::Power(power) if *of == node => Some((*at, *power)),
+                    _ => None,
+                },
+            ));
             power.sort_by_key(|(at, _)| *at);
             let software = supplier.software(plan, node, &member.config, rng.bits())?;
             self.sim.watch(node);

@@ -12,10 +12,10 @@ use canbaud_sim::slcan::{Adapter, ErrorReports, Firmware, Pty, SilentMode};
 use canbaud_sim::{Mode, NodeConfig, NodeId, Span, Time};
 
 use super::Outcome;
-use super::told::Told;
 use super::args::{
     ErrorReports as ReportsName, FirmwareName, SilentMode as SilentModeName, SimulateArgs,
 };
+use super::told::Told;
 
 /// The bus runs this far at a time.
 const SLICE: Span = Span::from_us(500);

@@ -95,8 +95,7 @@ impl Bridge {
         self.run.sim_mut().send_at(now, self.node, frame);
         match Request::from_frame(&frame) {
             Some(Request::ConfigureBitTiming { table_selector: 0, table_index }) => {
-                self.pending =
-                    RateSetting::from_index(table_index).and_then(RateSetting::bitrate);
+                self.pending = RateSetting::from_index(table_index).and_then(RateSetting::bitrate);
             }
             Some(Request::ActivateBitTiming { switch_delay_ms })
                 if self.follow == Follow::Activations =>

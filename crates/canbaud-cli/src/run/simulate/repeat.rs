@@ -106,9 +106,8 @@ fn report(args: &SimulateArgs, runs: &[(u64, Result1)]) -> Result<Outcome> {
     let mut table = Vec::new();
     for place in 0..nodes {
         let all: Vec<_> = runs.iter().map(|(_, run)| &run.statistics.nodes[place]).collect();
-        let numbers = |of: fn(&NodeStats) -> f64| -> Vec<f64> {
-            all.iter().map(|node| of(node)).collect()
-        };
+        let numbers =
+            |of: fn(&NodeStats) -> f64| -> Vec<f64> { all.iter().map(|node| of(node)).collect() };
         let mut found: BTreeMap<String, u64> = BTreeMap::new();
         for node in &all {
             let key = node.found_bitrate.map_or_else(|| "none".to_owned(), |rate| rate.to_string());

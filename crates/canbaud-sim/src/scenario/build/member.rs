@@ -13,12 +13,12 @@ use crate::node::{
     FdSupport, Gate, Mode, MonitoringCounters, NodeConfig, Oscillator, Recovery, Retransmission,
     Tdc, Wire,
 };
-use crate::scenario::{autonomous, lss};
 use crate::scenario::model::{
     AutobaudTable, CountersName, FdCrcName, FdName, GateName, ModeName, NodeTable, RecoveryName,
     ReplyTable, RetransmissionName, WireName,
 };
 use crate::scenario::text::Text;
+use crate::scenario::{autonomous, lss};
 use crate::software::AutonomousPlan;
 use crate::time::{Span, Time};
 use crate::timing::BitTiming;
@@ -108,18 +108,7 @@ pub(super) fn member(table: &NodeTable, scenario: &Scenario) -> Outcome<Member> 
     let (tec, rec) = (table.tec, table.rec);
     let joins_spread = table.autonomous.as_ref().and_then(|table| table.joins_spread);
     let joins_spread = joins_spread.map_or(Span::ZERO, |span| span.0);
-    Ok(Member {
-        config,
-        tec,
-        rec,
-        joins,
-        program,
-        replies,
-        boot_up,
-        lss,
-        autonomous,
-        joins_spread,
-    })
+    Ok(Member { config, tec, rec, joins, program, replies, boot_up, lss, autonomous, joins_spread })
 }
 
 /// Any timing that a clock of `hertz` can make: the software will set another.

@@ -21,8 +21,13 @@ pub(in crate::scenario) struct Trouble {
 /// What changes at a node, and when.
 #[derive(Debug, Clone)]
 pub(in crate::scenario) enum Change {
-    Drift { ppb: i64 },
-    SetUp { edit: ChangeTable, timing: Option<BitTiming> },
+    Drift {
+        ppb: i64,
+    },
+    SetUp {
+        edit: ChangeTable,
+        timing: Option<BitTiming>,
+    },
     /// Of an autonomous node.
     Power(Power),
 }
