@@ -97,12 +97,12 @@ enum Part {
 
 /// Whether an event is for a reader who is told by the software what it does.
 const fn is_trouble(part: Part, event: &Event) -> bool {
-    match event {
-        Event::Fault(_) | Event::Overload | Event::Abandoned { .. } => true,
-        // While it listens, errors are what it listens for.
-        Event::Error { .. } => matches!(part, Part::TakesPart),
-        _ => false,
-    }
+    // While it listens, errors are what it listens for.
+    matches!(part, Part::TakesPart)
+        && matches!(
+            event,
+            Event::Fault(_) | Event::Overload | Event::Abandoned { .. } | Event::Error { .. }
+        )
 }
 
 impl<W: Write> Observer for Timeline<W> {
