@@ -1,10 +1,11 @@
 //! What a device is made of.
 
 use canbaud::detect::scan::{Capabilities, Evidence, FdSupport, RateChoice};
-use canbaud::lss::{LssAddress, NodeId, RateSetting};
+use canbaud::lss::{Automatic, LssAddress, NodeId, RateSetting};
 use canbaud::node::{Means, Settings};
 use canbaud::units::{Bitrate, Hertz, Micros, Timebase};
 use canbaud_sim::Span;
+use canbaud_sim::software::LssStorage;
 
 use crate::time::FS_PER_US;
 
@@ -44,6 +45,12 @@ pub struct DeviceConfig {
     pub sync: Option<Span>,
     /// Its LSS address, if it is an LSS slave.
     pub lss: Option<LssAddress>,
+    /// Whether LSS may set it to index 9; a mini-master refuses it in any case.
+    pub lss_automatic: Automatic,
+    /// From the reception of an LSS command until the answer waits in the controller.
+    pub lss_processing: Span,
+    /// What comes of "store configuration".
+    pub lss_storage: LssStorage,
 }
 
 /// The lowest and the highest rate of CANopen.
@@ -70,6 +77,9 @@ impl DeviceConfig {
             pdo: None,
             sync: None,
             lss: None,
+            lss_automatic: Automatic::Offered,
+            lss_processing: Span::ZERO,
+            lss_storage: LssStorage::Works,
         };
         config.settings.means = config.means();
         config

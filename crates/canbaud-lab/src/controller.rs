@@ -32,7 +32,7 @@ pub(crate) fn frame(id: u16, data: &[u8]) -> Option<Frame> {
     Frame::new(id, canbaud::wire::FrameKind::Data, data.len() as u8, data).ok()
 }
 
-/// The controller as it comes out of reset.
+/// The controller of a device with `config`, off.
 pub(crate) fn blank(config: &DeviceConfig) -> NodeConfig {
     // 125 kbit/s can be made of every clock in use.
     let point = Permille::new(875).unwrap_or_default();
@@ -40,12 +40,18 @@ pub(crate) fn blank(config: &DeviceConfig) -> NodeConfig {
     let mut node = NodeConfig::at(&config.name, 125_000).unwrap_or_else(|_| unreachable!());
     node.oscillator = canbaud_sim::Oscillator { hertz: config.clock_hz, ppb: config.ppb };
     node.nominal = nominal.unwrap_or(node.nominal);
+    off(node, config.listener)
+}
+
+/// The same node with a controller as such devices have it, off.
+pub(crate) const fn off(mut node: NodeConfig, listener: Listener) -> NodeConfig {
     node.fd = canbaud_sim::FdSupport::None;
     node.recovery = Recovery::Manual;
-    if config.listener == Listener::Gate {
+    node.mode = Mode::Disabled;
+    if matches!(listener, Listener::Gate) {
         node.gate = Gate::Closed;
     }
-    if config.listener == Listener::Monitoring(Evidence::Counter) {
+    if matches!(listener, Listener::Monitoring(Evidence::Counter)) {
         node.monitoring_counters = MonitoringCounters::Counting;
     }
     node

@@ -1,11 +1,13 @@
 //! A device: controller, timer and memory of the simulator, with [`canbaud::node::Node`] inside.
 
+use std::collections::VecDeque;
+
 use canbaud::detect::scan::{
     Candidate, Configured, ErrorSeen, Evidence, FrameSeen, Observation, Origin,
 };
 use canbaud::fault;
 use canbaud::lss::{RateSetting, Slave, SlaveAction};
-use canbaud::node::{Action, Input, NmtState, Node, Sending, Settings, Stage, load, save};
+use canbaud::node::{Action, Input, NmtState, Node, Sending, Settings, Stage, boot_up, load, save};
 use canbaud::timing::default_sample_point;
 use canbaud::units::{Bitrate, Permille};
 use canbaud::wire::{Frame, Level};
@@ -13,10 +15,14 @@ use canbaud_sim::around::CaptureTimer;
 use canbaud_sim::{BitTiming, Event, FaultState, Gate, Mode, NodeConfig, Simulation, Span, Time};
 
 use crate::config::{DeviceConfig, Listener};
-use crate::controller::{Purpose, blank, class, frame, logic, mode, where_at};
+use crate::controller::{Purpose, blank, class, frame, logic, mode, off, where_at};
+use crate::journal::Journal;
 use crate::lss::{StoredConfiguration, slave};
 use crate::memory::Memory;
 use crate::time::{micros, time};
+
+/// LSS commands that wait for the software; a further one is lost, as in a device.
+const INBOX: usize = 16;
 
 /// Who else took part at a rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,6 +49,8 @@ pub struct Joined {
 pub struct Device {
     config: DeviceConfig,
     id: canbaud_sim::NodeId,
+    /// Its controller, off.
+    off: NodeConfig,
     software: Option<Node>,
     timer: Option<CaptureTimer>,
     memory: Memory,
@@ -51,6 +59,8 @@ pub struct Device {
     /// Sent by [`Action::Send`] and not yet acknowledged.
     under_way: Option<Frame>,
     lss: Option<Slave>,
+    /// LSS commands on their way through the device.
+    inbox: VecDeque<(Time, Frame)>,
     stored: StoredConfiguration,
     /// The LSS slave waits for the detection that it has asked for.
     lss_waits: bool,
@@ -59,6 +69,7 @@ pub struct Device {
     counter: u8,
     joined: Vec<Joined>,
     line: Level,
+    journal: Journal,
 }
 
 impl Device {
@@ -70,15 +81,28 @@ impl Device {
         config: DeviceConfig,
         sim: &mut Simulation,
     ) -> Result<Self, canbaud_sim::ClockError> {
-        let mut node = blank(&config);
-        node.mode = Mode::Disabled;
-        let id = sim.add_node(node)?;
+        let off = blank(&config);
+        let id = sim.add_node(off.clone())?;
         sim.watch(id);
+        Self::at(config, id, off)
+    }
+
+    /// The device whose controller is the node `id`, switched off, set up as `controller`.
+    ///
+    /// # Errors
+    /// [`canbaud_sim::ClockError`] if its timer is impossible.
+    pub(crate) fn at(
+        config: DeviceConfig,
+        id: canbaud_sim::NodeId,
+        controller: NodeConfig,
+    ) -> Result<Self, canbaud_sim::ClockError> {
         let timer = match config.timer_hz {
             Some(hz) => Some(CaptureTimer::new(hz, config.ppb, 64, Span::ZERO)?),
             None => None,
         };
+        let storage = config.lss_storage;
         Ok(Self {
+            off: off(controller, config.listener),
             config,
             id,
             software: None,
@@ -87,13 +111,15 @@ impl Device {
             switching: None,
             under_way: None,
             lss: None,
-            stored: StoredConfiguration(None),
+            inbox: VecDeque::new(),
+            stored: StoredConfiguration { kept: None, storage },
             lss_waits: false,
             next_pdo: Time::NEVER,
             pdo_pending: false,
             counter: 0,
             joined: Vec::new(),
             line: Level::Recessive,
+            journal: Journal::default(),
         })
     }
 
@@ -118,6 +144,11 @@ impl Device {
     /// Its software, to be told something else than what the network tells it.
     pub const fn software_mut(&mut self) -> Option<&mut Node> {
         self.software.as_mut()
+    }
+
+    /// What it tells about itself.
+    pub(crate) const fn journal(&mut self) -> &mut Journal {
+        &mut self.journal
     }
 
     /// Its memory.
@@ -167,9 +198,18 @@ impl Device {
         // A memory that cannot be read remembers nothing.
         let kept = load::<_, 4>(&mut self.memory).unwrap_or_default();
         let remembered = kept.and_then(|bytes| Bitrate::new(u32::from_le_bytes(bytes)));
-        let now = micros(sim.now());
-        self.software = Node::new(self.config.settings, remembered, now).ok();
-        self.lss = self.config.lss.map(|address| slave(address, &self.config.settings));
+        let mut settings = self.config.settings;
+        // What LSS has stored is active from power-on.
+        if let Some(stored) = self.stored.kept {
+            (settings.node_id, settings.rate) = (stored.node_id, stored.rate);
+        }
+        self.journal.forget();
+        self.journal.tell(|| {
+            let known = remembered.map_or("nothing".into(), |rate| format!("{rate}bit/s"));
+            format!("power on: stored rate {}, remembers {known}", settings.rate)
+        });
+        self.software = Node::new(settings, remembered, micros(sim.now())).ok();
+        self.lss = self.config.lss.map(|address| slave(address, &self.config, &settings));
         self.lss_waits = false;
         self.next_pdo = sim.now();
         self.turn(sim);
@@ -180,8 +220,11 @@ impl Device {
         self.software = None;
         self.lss = None;
         self.switching = None;
+        self.inbox.clear();
+        self.journal.forget();
+        self.journal.tell(|| "power off".into());
         self.forget_requests(sim);
-        self.set_up(sim, NodeConfig { mode: Mode::Disabled, ..blank(&self.config) });
+        self.set_up(sim, self.off.clone());
     }
 
     fn forget_requests(&mut self, sim: &mut Simulation) {
@@ -212,8 +255,9 @@ impl Device {
         let deadline = node.deadline().map_or(Time::NEVER, time);
         let switching = self.switching.as_ref().map_or(Time::NEVER, |(at, ..)| *at);
         let lss = self.lss.as_ref().map_or(Time::NEVER, |slave| time(slave.deadline()));
+        let inbox = self.inbox.front().map_or(Time::NEVER, |(at, _)| *at);
         let pdo = if self.produces() { self.next_pdo } else { Time::NEVER };
-        deadline.min(switching).min(pdo).min(lss)
+        deadline.min(switching).min(pdo).min(lss).min(inbox)
     }
 
     fn period(&self) -> Option<Span> {
@@ -221,7 +265,8 @@ impl Device {
     }
 
     fn produces(&self) -> bool {
-        self.period().is_some() && !self.pdo_pending && self.is_operational()
+        let may_send = self.lss.as_ref().is_none_or(Slave::may_send);
+        self.period().is_some() && !self.pdo_pending && may_send && self.is_operational()
     }
 
     /// Something happened in its controller.
@@ -239,8 +284,8 @@ impl Device {
             Event::Received { frame } => {
                 let seen = FrameSeen { frame: *frame, origin: Origin::Bus, received: Some(now) };
                 node.handle(now, &Input::Heard(Observation::Frame(seen)));
-                if let (Some(slave), true) = (&mut self.lss, normal) {
-                    slave.handle(now, frame, &mut self.stored);
+                if normal && self.lss.is_some() && self.inbox.len() < INBOX {
+                    self.inbox.push_back((at + self.config.lss_processing, *frame));
                 }
             }
             Event::Error { kind, place, .. } if evidence == Evidence::Errors => {
@@ -290,41 +335,76 @@ impl Device {
         {
             node.timer(timer.ticks(sim.now()), logic(self.line));
         }
-        while let Some(action) = self.software.as_mut().and_then(|node| node.poll(now)) {
-            self.act(&action, sim);
-        }
+        self.follow(sim);
         self.turn_lss(sim);
         if self.produces() && self.next_pdo <= sim.now() {
             self.produce(sim);
         }
     }
 
-    /// What the LSS slave wants.
+    /// Does what the node asks for.
+    fn follow(&mut self, sim: &mut Simulation) {
+        let now = micros(sim.now());
+        while let Some(node) = &mut self.software {
+            let action = node.poll(now);
+            self.journal.look(node);
+            let Some(action) = action else { return };
+            self.act(&action, sim);
+        }
+    }
+
+    /// LSS commands that are through the device, and what the LSS slave wants.
     fn turn_lss(&mut self, sim: &mut Simulation) {
         let now = micros(sim.now());
         if self.lss_waits && !self.must_be_silent() {
             self.lss_waits = false;
             self.lss.as_mut().into_iter().for_each(Slave::rate_found);
         }
+        self.carry_out_lss(sim);
+        while let Some((_, frame)) = self.inbox.front().copied().filter(|(at, _)| *at <= sim.now())
+        {
+            self.inbox.pop_front();
+            if let Some(slave) = &mut self.lss {
+                self.journal.look_at_lss(slave);
+                slave.handle(now, &frame, &mut self.stored);
+                self.journal.look_at_lss(slave);
+            }
+            self.carry_out_lss(sim);
+        }
+    }
+
+    fn carry_out_lss(&mut self, sim: &mut Simulation) {
+        let now = micros(sim.now());
         while let Some(action) = self.lss.as_mut().and_then(|slave| slave.poll(now)) {
             let Some(node) = &mut self.software else { return };
             match action {
-                SlaveAction::Send(frame) => sim.send_at(sim.now(), self.id, frame),
-                SlaveAction::StopSending => node.set_sending(Sending::Forbidden),
-                SlaveAction::ResumeSending => node.set_sending(Sending::Allowed),
+                SlaveAction::Send(frame) => {
+                    // An answer that comes too late is none.
+                    if matches!(node.stage(), Stage::TakingPart { .. }) {
+                        sim.send_at(sim.now(), self.id, frame);
+                    }
+                }
+                SlaveAction::StopSending => {
+                    self.journal.tell(|| "LSS: falls silent for an activation".into());
+                    node.set_sending(Sending::Forbidden);
+                    self.forget_requests(sim);
+                }
+                SlaveAction::ResumeSending => {
+                    self.journal.tell(|| "LSS: may send again".into());
+                    node.set_sending(Sending::Allowed);
+                }
                 SlaveAction::SwitchBitRate(rate) => {
+                    self.journal.tell(|| format!("LSS: switches to {rate}"));
                     // The slave has offered only what can be.
                     let _ = node.set_rate(rate, now);
                     self.lss_waits = rate == RateSetting::Automatic;
                 }
                 SlaveAction::ResetCommunication(node_id) => {
-                    self.config.node_id = node_id;
                     self.lss.as_mut().into_iter().for_each(Slave::reset_communication);
+                    node.reset_communication(node_id);
                 }
             }
-            while let Some(action) = self.software.as_mut().and_then(|node| node.poll(now)) {
-                self.act(&action, sim);
-            }
+            self.follow(sim);
         }
     }
 
@@ -333,9 +413,12 @@ impl Device {
             Action::Stop => {
                 self.switching = None;
                 self.forget_requests(sim);
-                self.set_up(sim, NodeConfig { mode: Mode::Disabled, ..blank(&self.config) });
+                self.set_up(sim, self.off.clone());
             }
-            Action::Listen(candidate) => self.switch(candidate, Purpose::Listen, sim),
+            Action::Listen(candidate) => {
+                self.journal.listens(candidate.nominal);
+                self.switch(candidate, Purpose::Listen, sim);
+            }
             Action::TakePart(candidate) => {
                 let (at, bitrate) = (sim.now(), candidate.nominal);
                 let company = self.company(bitrate, sim);
@@ -343,14 +426,25 @@ impl Device {
                 self.switch(candidate, Purpose::TakePart, sim);
             }
             Action::Send(frame) => {
+                let node_id = self.software.as_ref().map(|node| node.settings().node_id);
+                if node_id.and_then(boot_up).as_ref() == Some(frame) {
+                    self.journal.tell(|| format!("sends its boot-up message {}", frame.id()));
+                }
                 self.under_way = Some(*frame);
                 sim.send_at(sim.now(), self.id, *frame);
             }
             Action::Remember(rate) => {
+                self.journal.tell(|| format!("remembers {rate}bit/s"));
                 // Power may go meanwhile: the next power-on finds the old value or the new one.
                 let _ = save(&mut self.memory, &rate.bits_per_second().to_le_bytes());
             }
-            Action::Reset(_) => {}
+            // The pending node-ID becomes the active one.
+            Action::Reset(_) => {
+                if let (Some(slave), Some(node)) = (&mut self.lss, &mut self.software) {
+                    slave.reset_communication();
+                    node.reset_communication(slave.active().node_id);
+                }
+            }
         }
     }
 
@@ -368,13 +462,14 @@ impl Device {
 
     fn switch(&mut self, candidate: &Candidate, purpose: Purpose, sim: &mut Simulation) {
         self.forget_requests(sim);
-        let mut config = blank(&self.config);
-        self.set_up(sim, NodeConfig { mode: Mode::Disabled, ..config.clone() });
+        let mut config = self.off.clone();
+        self.set_up(sim, config.clone());
         let rate = candidate.nominal.bits_per_second();
         let point = Permille::new(default_sample_point(candidate.nominal).permille());
         let timing = BitTiming::find(self.config.clock_hz, rate, point.unwrap_or_default());
         let (Ok(timing), Some(mode)) = (timing, mode(self.config.listener, purpose)) else {
             self.switching = None;
+            self.journal.tell(|| format!("its controller refuses {}bit/s", candidate.nominal));
             if let Some(node) = &mut self.software {
                 node.handle(micros(sim.now()), &Input::Refused);
             }
@@ -394,7 +489,9 @@ impl Device {
         let frame = match self.config.sync {
             Some(_) => frame(0x080, &[self.counter]),
             None => {
-                let id = 0x180 + u16::from(self.config.node_id.get() & 0x7F);
+                let node_id =
+                    self.software.as_ref().map_or(0, |node| node.settings().node_id.get());
+                let id = 0x180 + u16::from(node_id & 0x7F);
                 let counter = self.counter;
                 frame(id, &[counter, !counter, 0x5A, counter ^ 0x33, 0, 0, 0xFF, 1])
             }

@@ -9,11 +9,13 @@
 #![forbid(unsafe_code)]
 
 mod ap2925;
+mod autonomous;
 mod config;
 mod controller;
 mod day;
 mod device;
 mod ears;
+mod journal;
 mod lss;
 mod memory;
 pub mod mission;
@@ -22,6 +24,7 @@ mod plant;
 mod time;
 
 pub use ap2925::{Ap2925, Ap2925Table};
+pub use autonomous::Autonomous;
 pub use config::{DeviceConfig, Listener};
 pub use day::{Report, Shift};
 pub use device::{Company, Device, Joined};

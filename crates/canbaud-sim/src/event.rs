@@ -309,6 +309,11 @@ pub trait Observer {
     fn disturbed(&mut self, at: Time, disturbance: Disturbance) {
         let _ = (at, disturbance);
     }
+
+    /// The software of a node tells something about itself.
+    fn told(&mut self, at: Time, node: NodeId, what: &str) {
+        let _ = (at, node, what);
+    }
 }
 
 /// Sees nothing.
@@ -363,6 +368,11 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
         self.0.disturbed(at, disturbance);
         self.1.disturbed(at, disturbance);
     }
+
+    fn told(&mut self, at: Time, node: NodeId, what: &str) {
+        self.0.told(at, node, what);
+        self.1.told(at, node, what);
+    }
 }
 
 impl<O: Observer> Observer for &mut O {
@@ -394,5 +404,9 @@ impl<O: Observer> Observer for &mut O {
 
     fn disturbed(&mut self, at: Time, disturbance: Disturbance) {
         (**self).disturbed(at, disturbance);
+    }
+
+    fn told(&mut self, at: Time, node: NodeId, what: &str) {
+        (**self).told(at, node, what);
     }
 }

@@ -19,6 +19,7 @@ mod rng;
 pub mod scenario;
 mod simulation;
 pub mod slcan;
+pub mod software;
 mod time;
 mod timing;
 pub mod traffic;

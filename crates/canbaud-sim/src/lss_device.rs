@@ -12,6 +12,7 @@ use canbaud::wire::{Frame, FrameKind, Id};
 use crate::event::{Event, NodeId};
 use crate::node::{Mode, NodeConfig};
 use crate::simulation::Simulation;
+use crate::software::LssStorage;
 use crate::time::{Span, Time};
 use crate::timing::BitTiming;
 
@@ -27,6 +28,8 @@ pub struct LssSetup {
     pub stored: Configuration,
     /// The bit rates of the table with their timing, in the order in which it listens for them.
     pub timings: Vec<(Bitrate, BitTiming)>,
+    /// What comes of "store configuration".
+    pub storage: LssStorage,
     /// From the reception of a command until the answer waits in the controller.
     pub processing: Span,
     /// T_cc: off, new timing, on again.
@@ -41,13 +44,17 @@ impl LssSetup {
     }
 }
 
-/// Keeps what was stored last.
+/// Keeps what was stored last, if it works.
 #[derive(Debug, Clone)]
-struct Memory(Configuration);
+struct Memory {
+    kept: Configuration,
+    storage: LssStorage,
+}
 
 impl Storage for Memory {
     fn store(&mut self, configuration: Configuration) -> Result<(), StoreError> {
-        self.0 = configuration;
+        self.storage.check()?;
+        self.kept = configuration;
         Ok(())
     }
 }
@@ -88,7 +95,7 @@ impl LssDevice {
     #[must_use]
     pub fn new(node: NodeId, setup: LssSetup) -> Self {
         let slave = Slave::new(setup.slave, setup.stored);
-        let memory = Memory(setup.stored);
+        let memory = Memory { kept: setup.stored, storage: setup.storage };
         let (phase, inbox) = (Phase::Running, VecDeque::new());
         Self { node, setup, slave, memory, inbox, phase, deaf_until: Time::ZERO, found: None }
     }
@@ -108,7 +115,7 @@ impl LssDevice {
     /// What it has stored.
     #[must_use]
     pub const fn stored(&self) -> Configuration {
-        self.memory.0
+        self.memory.kept
     }
 
     /// When it went to another bit rate last, and which timing that is.

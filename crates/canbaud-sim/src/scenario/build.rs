@@ -18,7 +18,7 @@ mod trouble;
 
 pub(super) use member::{gate, mode, wire};
 pub(super) use timing::{timing_for, usual_sample_point};
-pub(super) use trouble::{Change, Trouble};
+pub(super) use trouble::{Change, Power, Trouble};
 
 use member::{Member, member};
 use traffic::{Stream, stream};
@@ -47,6 +47,19 @@ impl Scenario {
     #[must_use]
     pub fn node_names(&self) -> Vec<String> {
         self.members.iter().map(|member| member.config.name.clone()).collect()
+    }
+
+    /// Whether a node is to find its own way, so that a run needs a
+    /// [`Supplier`](crate::software::Supplier).
+    #[must_use]
+    pub fn needs_software(&self) -> bool {
+        self.members.iter().any(|member| member.autonomous.is_some())
+    }
+
+    /// Whether `node` is to find its own way.
+    #[must_use]
+    pub fn is_autonomous(&self, node: NodeId) -> bool {
+        self.members.get(node.0).is_some_and(|member| member.autonomous.is_some())
     }
 
     /// How the node of this name is set up, and its place.

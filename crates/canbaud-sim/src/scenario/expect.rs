@@ -1,8 +1,9 @@
 //! What a scenario says must come of it.
 
-use super::model::{ExpectTable, StateName};
+use super::model::{ExpectTable, StageName, StateName};
 use super::stats::NodeStats;
 use crate::event::{FaultState, NodeId};
+use crate::software::Stage;
 
 /// An expectation that was not met.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -29,7 +30,12 @@ impl Expectation {
         Self { node, table: table.clone(), line }
     }
 
-    pub(super) fn check(&self, stats: &NodeStats, state: FaultState) -> Vec<Miss> {
+    pub(super) fn check(
+        &self,
+        stats: &NodeStats,
+        state: FaultState,
+        stage: Option<Stage>,
+    ) -> Vec<Miss> {
         let table = &self.table;
         let mut misses = Vec::new();
         let mut miss = |what: String| {
@@ -53,6 +59,7 @@ impl Expectation {
             ("dominant", table.dominant_max, stats.dominant),
             ("bus-off", table.bus_off_max, stats.bus_off),
             ("messages", table.messages_max, stats.messages),
+            ("broken silence", table.broken_silence_max, stats.broken_silence),
         ];
         for (name, max, got) in at_most {
             if let Some(max) = max.filter(|max| got > *max) {
@@ -66,6 +73,19 @@ impl Expectation {
         });
         if let Some(want) = want.filter(|want| *want != state) {
             miss(format!("ends {state}, expected {want}"));
+        }
+        let want = table.stage.map(|name| match name {
+            StageName::Off => Stage::Off,
+            StageName::Detecting => Stage::Detecting,
+            StageName::Recovering => Stage::Recovering,
+            StageName::Initialising => Stage::Initialising,
+            StageName::PreOperational => Stage::PreOperational,
+            StageName::Operational => Stage::Operational,
+            StageName::Stopped => Stage::Stopped,
+        });
+        if let Some(want) = want.filter(|want| Some(*want) != stage) {
+            let stage = stage.map_or("not autonomous".to_owned(), |stage| stage.to_string());
+            miss(format!("ends {stage}, expected {want}"));
         }
         let want = table.found.map(|rate| rate.0.bits_per_second());
         if want.is_some() && stats.found_bitrate != want {

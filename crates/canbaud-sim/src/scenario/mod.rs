@@ -1,10 +1,12 @@
 //! Scenarios: a bus, its traffic and its troubles as a TOML file.
 
+mod autonomous;
 mod build;
 mod expect;
 mod lss;
 mod model;
 mod run;
+mod software;
 mod stats;
 mod text;
 mod timeline;
@@ -13,7 +15,7 @@ use std::path::Path;
 
 pub use build::Scenario;
 pub use expect::Miss;
-pub use run::Run;
+pub use run::{Run, RunError};
 pub use stats::{NodeStats, Statistics};
 pub use timeline::Timeline;
 

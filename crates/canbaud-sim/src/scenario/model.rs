@@ -145,6 +145,7 @@ pub(super) struct NodeTable {
     pub(super) autobaud: Option<AutobaudTable>,
     pub(super) fallback: Option<FallbackTable>,
     pub(super) lss: Option<LssTable>,
+    pub(super) autonomous: Option<AutonomousTable>,
     #[serde(default)]
     pub(super) reply: Vec<ReplyTable>,
 }
@@ -162,6 +163,58 @@ pub(super) struct LssTable {
     pub(super) automatic: bool,
     pub(super) processing: Option<Duration>,
     pub(super) reconfiguration: Option<Duration>,
+    pub(super) storage: Option<StorageName>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum StorageName {
+    Works,
+    Fails,
+    None,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum ListenerName {
+    Errors,
+    Counter,
+    FramesOnly,
+    Gate,
+    None,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum StartUpName {
+    Slave,
+    MiniMaster,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AutonomousTable {
+    pub(super) node_id: Option<u8>,
+    pub(super) remembers: Option<Text<Bitrate>>,
+    pub(super) start_up: Option<StartUpName>,
+    pub(super) listener: Option<ListenerName>,
+    pub(super) timer: Option<Text<Hertz>>,
+    pub(super) reconfiguration: Option<Duration>,
+    pub(super) silence: Option<SilenceTable>,
+    pub(super) heartbeat: Option<Duration>,
+    pub(super) pdo: Option<Duration>,
+    pub(super) sync: Option<Duration>,
+    /// Power comes up to so much later.
+    pub(super) joins_spread: Option<Duration>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SilenceTable {
+    pub(super) default: Text<Bitrate>,
+    pub(super) after: Duration,
+    pub(super) spread: Option<Duration>,
+    pub(super) hold: Option<Duration>,
 }
 
 const fn offered() -> bool {
@@ -265,6 +318,26 @@ pub(super) struct ChangeTable {
     pub(super) mode: Option<ModeName>,
     pub(super) gate: Option<GateName>,
     pub(super) wire: Option<WireName>,
+    pub(super) power: Option<PowerName>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum PowerName {
+    On,
+    Off,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum StageName {
+    Off,
+    Detecting,
+    Recovering,
+    Initialising,
+    PreOperational,
+    Operational,
+    Stopped,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -295,4 +368,8 @@ pub(super) struct ExpectTable {
     #[serde(default)]
     pub(super) lost: bool,
     pub(super) messages_max: Option<u64>,
+    /// Where an autonomous node is in the end.
+    pub(super) stage: Option<StageName>,
+    /// Dominant levels of an autonomous node while it had to be silent.
+    pub(super) broken_silence_max: Option<u64>,
 }

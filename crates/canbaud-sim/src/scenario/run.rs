@@ -1,8 +1,9 @@
 //! Runs a scenario.
 
-use super::build::{Change, Scenario, Trouble, gate, mode, wire};
+use super::build::{Change, Power, Scenario, Trouble, gate, mode, wire};
 use super::expect::Miss;
 use super::model::DisturbanceKind;
+use super::software::Installation;
 use super::stats::Statistics;
 use crate::clock::ClockError;
 use crate::device::{Device, Program};
@@ -11,6 +12,7 @@ use crate::lss_device::LssDevice;
 use crate::node::{FaultConfinement, Mode, NodeConfig};
 use crate::rng::Rng;
 use crate::simulation::Simulation;
+use crate::software::Supplier;
 use crate::time::{Span, Time};
 use crate::timing::BitTiming;
 use crate::traffic::Source;
@@ -65,11 +67,23 @@ pub struct Run {
     sources: Vec<Source>,
     devices: Vec<Device>,
     lss_devices: Vec<LssDevice>,
+    installation: Installation,
     glitches: Vec<Glitches>,
     statistics: Statistics,
     /// News of these nodes are kept for the caller.
     held: Vec<NodeId>,
     news: Vec<(Time, NodeId, Event)>,
+}
+
+/// Why a scenario cannot be set up.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum RunError {
+    /// A clock would be impossible.
+    #[error(transparent)]
+    Clock(#[from] ClockError),
+    /// Nobody supplies the software of this node.
+    #[error("node \"{0}\" is autonomous, and nobody supplies its software")]
+    NoSoftware(String),
 }
 
 fn bitrate(config: &NodeConfig, timing: &BitTiming) -> u32 {
@@ -81,13 +95,30 @@ impl Run {
     /// Sets the scenario up with `seed`.
     ///
     /// # Errors
-    /// [`ClockError`] if a change would make an oscillator impossible.
-    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, ClockError> {
+    /// [`RunError`] if a change would make an oscillator impossible, or a node is autonomous.
+    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, RunError> {
+        Self::set_up(scenario, seed, None)
+    }
+
+    /// Sets the scenario up with `seed`; the software of its autonomous nodes is of `supplier`.
+    ///
+    /// # Errors
+    /// [`RunError`] if a clock would be impossible.
+    pub fn with(scenario: &Scenario, seed: u64, supplier: &dyn Supplier) -> Result<Self, RunError> {
+        Self::set_up(scenario, seed, Some(supplier))
+    }
+
+    fn set_up(
+        scenario: &Scenario,
+        seed: u64,
+        supplier: Option<&dyn Supplier>,
+    ) -> Result<Self, RunError> {
         let mut run = Self {
             sim: Simulation::new(seed),
             sources: Vec::new(),
             devices: Vec::new(),
             lss_devices: Vec::new(),
+            installation: Installation::new(scenario.members.len()),
             glitches: Vec::new(),
             held: Vec::new(),
             news: Vec::new(),
@@ -98,6 +129,7 @@ impl Run {
         run.add_traffic(seed);
         run.add_troubles(seed);
         run.add_changes()?;
+        run.add_software(seed, supplier)?;
         Ok(run)
     }
 
@@ -106,6 +138,8 @@ impl Run {
             let config = Device::first_config(&member.program, member.config.clone());
             let fault = FaultConfinement::with_counters(member.tec, member.rec);
             let id = match member.joins {
+                // Power comes by its software.
+                _ if member.autonomous.is_some() => self.sim.add_node(config)?,
                 None => self.sim.add_node_with(config, fault)?,
                 Some(at) => {
                     let off = NodeConfig { mode: Mode::Disabled, ..config.clone() };
@@ -123,6 +157,32 @@ impl Run {
                 let (program, replies) = (member.program.clone(), member.replies.clone());
                 self.devices.push(Device::new(id, program, replies, member.boot_up));
             }
+        }
+        Ok(())
+    }
+
+    fn add_software(&mut self, seed: u64, supplier: Option<&dyn Supplier>) -> Result<(), RunError> {
+        for (index, member) in self.scenario.members.iter().enumerate() {
+            let (Some(plan), node) = (&member.autonomous, NodeId(index)) else { continue };
+            let name = || RunError::NoSoftware(member.config.name.clone());
+            let supplier = supplier.ok_or_else(name)?;
+            let mut rng = Rng::for_purpose(seed, 2_000_000 + index as u64);
+            let late = match member.joins_spread.femtoseconds() {
+                0 => Span::ZERO,
+                spread => Span::from_fs(rng.below(spread)),
+            };
+            let joins = member.joins.unwrap_or(Time::ZERO) + late;
+            let mut power = vec![(joins, Power::On)];
+            power.extend(self.scenario.changes.iter().filter_map(
+                |(at, of, change)| match change {
+                    Change::Power(power) if *of == node => Some((*at, *power)),
+                    _ => None,
+                },
+            ));
+            power.sort_by_key(|(at, _)| *at);
+            let software = supplier.software(plan, node, &member.config, rng.bits())?;
+            self.sim.watch(node);
+            self.installation.add(node, software, power.into());
         }
         Ok(())
     }
@@ -174,6 +234,8 @@ impl Run {
     fn add_changes(&mut self) -> Result<(), ClockError> {
         for (at, node, change) in &self.scenario.changes {
             match change {
+                // By the node's software.
+                Change::Power(_) => {}
                 Change::Drift { ppb } => self.sim.drift_at(*at, *node, *ppb)?,
                 Change::SetUp { edit, timing } => {
                     // Changes of one node build on one another, in the order of the file.
@@ -239,15 +301,20 @@ impl Run {
         let glitches = self.glitches.iter().map(|glitches| glitches.next);
         let deadlines = self.devices.iter().map(Device::deadline);
         let deadlines = deadlines.chain(self.lss_devices.iter().map(LssDevice::deadline));
-        sources.chain(glitches).chain(deadlines).min().unwrap_or(Time::NEVER)
+        let next = sources.chain(glitches).chain(deadlines).min().unwrap_or(Time::NEVER);
+        next.min(self.installation.next(self.sim.now()))
     }
 
     /// Runs up to `until`.
     pub fn advance<O: Observer>(&mut self, until: Time, observer: &mut O) {
         loop {
             let next = self.next().min(until);
-            self.sim.run(next, &mut (&mut self.statistics, &mut *observer));
+            self.installation.listen();
+            let own = (&mut self.statistics, &mut self.installation.ears);
+            self.sim.run(next, &mut (own, &mut *observer));
+            self.installation.deliver_edges();
             self.deliver();
+            self.installation.turn(&mut self.sim, observer);
             if self.sim.now() < next {
                 continue;
             }
@@ -282,6 +349,7 @@ impl Run {
             for device in self.lss_devices.iter_mut().filter(|device| device.node() == node) {
                 device.notice(at, &event, &mut self.sim);
             }
+            self.installation.notice(at, node, &event, &mut self.sim);
             if matches!(event, Event::Transmitted { .. }) {
                 let mut sources =
                     self.sources.iter_mut().filter(|s| s.node() == node && s.saturates());
@@ -301,6 +369,15 @@ impl Run {
         self.statistics.close(self.sim.now());
         for (stats, node) in self.statistics.nodes.iter_mut().zip(self.sim.nodes()) {
             stats.state = node.state().to_string();
+        }
+        for (node, software, broken) in self.installation.accounts() {
+            let (stats, standing) = (&mut self.statistics.nodes[node.0], software.standing());
+            stats.stage = Some(standing.stage.to_string());
+            stats.broken_silence = broken;
+            if let Some((bitrate, since)) = standing.takes_part {
+                stats.found_bitrate = Some(bitrate.bits_per_second());
+                stats.found_at_s = Some(since.seconds());
+            }
         }
         for device in &self.lss_devices {
             let stats = &mut self.statistics.nodes[device.node().0];
@@ -326,7 +403,8 @@ impl Run {
     pub fn misses(&self) -> Vec<Miss> {
         let check = |expectation: &super::expect::Expectation| {
             let node = expectation.node;
-            expectation.check(&self.statistics.nodes[node.0], self.sim.node(node).state())
+            let stage = self.installation.stage(node);
+            expectation.check(&self.statistics.nodes[node.0], self.sim.node(node).state(), stage)
         };
         self.scenario.expectations.iter().flat_map(check).collect()
     }

@@ -39,6 +39,10 @@ pub struct NodeStats {
     pub found_at_s: Option<f64>,
     /// Messages and errors that its software looked at for that.
     pub messages: u64,
+    /// Where an autonomous node is in the end.
+    pub stage: Option<String>,
+    /// Dominant levels of an autonomous node while it had to be silent.
+    pub broken_silence: u64,
 }
 
 /// What happened on the bus.

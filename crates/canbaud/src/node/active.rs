@@ -98,6 +98,20 @@ impl Active {
         self.good
     }
 
+    /// What was under way was taken back.
+    pub(super) const fn take_back(&mut self) {
+        self.under_way = UnderWay::Nothing;
+    }
+
+    /// As before the boot-up message; one that is under way is of the past.
+    pub(super) const fn reset_communication(&mut self) {
+        self.nmt = None;
+        self.heartbeat_at = None;
+        if matches!(self.under_way, UnderWay::BootUp) {
+            self.under_way = UnderWay::Other;
+        }
+    }
+
     /// Something happened. An NMT reset is for the application, too.
     pub(super) fn handle(
         &mut self,

@@ -3,20 +3,15 @@
 use super::active::{Active, Leave, Trust};
 use super::led::{Leds, Pattern};
 use super::nmt::{NmtCommand, NmtState};
+use super::patience::{Patience, Refusal};
 use super::recovering::Recovering;
 use super::search::{Search, Wish};
-use super::settings::{Means, Settings, SettingsError, Silence, Startup};
+use super::settings::{Means, Settings, SettingsError, Startup};
 use super::signal::{Action, Input, Sending};
 use crate::detect::scan::{Candidate, Candidates, FrameSeen, Observation, Origin};
-use crate::lss::RateSetting;
+use crate::lss::{NodeId, RateSetting};
 use crate::units::{Bitrate, Micros};
 use crate::wire::Logic;
-
-/// How long a device with a fixed rate that did not fit listens on a silent bus before it takes
-/// part at that rate again, and how much longer at random.
-const FIXED_SILENCE: Micros = Micros::from_ms(1000);
-/// The wait before the silence is broken doubles with each attempt in vain, up to 64 times.
-const DOUBLINGS_MAX: u32 = 6;
 
 /// Where a node is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,8 +34,8 @@ pub enum Stage {
 enum Phase {
     /// Looks for the rate; after bus-off it must not take part before recovery.
     Silent(After),
-    /// Counts recessive bits.
-    Recovering(Recovering),
+    /// Counts recessive bits, to take part then with so much trust.
+    Recovering(Recovering, Trust),
     /// Takes part.
     Active(Active),
 }
@@ -117,11 +112,8 @@ pub struct Node<const N: usize = 160, const R: usize = 8> {
     wanted: Mode,
     told: Told,
     sending: Sending,
-    /// The silence will be broken then.
-    break_at: Option<Micros>,
-    /// How often that was in vain.
-    breaks: u32,
-    random: u64,
+    patience: Patience,
+    refusal: Refusal,
     reset: Option<NmtCommand>,
 }
 
@@ -148,9 +140,8 @@ impl<const N: usize, const R: usize> Node<N, R> {
             wanted: Mode::Off,
             told: Told::No,
             sending: Sending::Allowed,
-            break_at: None,
-            breaks: 0,
-            random: settings.seed,
+            patience: Patience::new(settings.seed),
+            refusal: Refusal::default(),
             reset: None,
         };
         node.begin(now, first);
@@ -165,17 +156,31 @@ impl<const N: usize, const R: usize> Node<N, R> {
         let settings = Settings { rate, ..self.settings };
         let first = settings.check()?;
         self.settings = settings;
-        self.breaks = 0;
+        self.patience.renew();
         self.begin(now, first);
         Ok(())
     }
 
-    /// Allows or forbids sending, as LSS does around an activation.
+    /// Allows or forbids sending, as LSS does around an activation. When it is forbidden, the device
+    /// takes back what waits in the controller.
     pub const fn set_sending(&mut self, sending: Sending) {
         self.sending = sending;
+        if let (Sending::Forbidden, Phase::Active(active)) = (sending, &mut self.phase) {
+            active.take_back();
+        }
+    }
+
+    /// The NMT state reset communication, with this node-ID from then on: what LSS and the NMT
+    /// master ask for. If the node takes part it sends its boot-up message anew.
+    pub const fn reset_communication(&mut self, node_id: NodeId) {
+        self.settings.node_id = node_id;
+        if let Phase::Active(active) = &mut self.phase {
+            active.reset_communication();
+        }
     }
 
     fn begin(&mut self, now: Micros, first: Bitrate) {
+        self.refusal = Refusal::default();
         match (self.settings.rate, self.settings.may_detect()) {
             (RateSetting::Automatic, _) => self.go_silent(now, After::Other),
             (RateSetting::Fixed(_), may_detect) => {
@@ -194,24 +199,24 @@ impl<const N: usize, const R: usize> Node<N, R> {
         self.search = Search::new(&self.settings, self.first());
         self.phase = Phase::Silent(after);
         self.want(Mode::Off);
-        self.plan_break(now);
+        self.patience.plan(now, &self.settings);
     }
 
     fn take_part(&mut self, candidate: Candidate, trust: Trust) {
         self.phase = Phase::Active(Active::new(candidate, trust));
-        self.break_at = None;
+        self.patience.cancel();
         self.want(Mode::TakingPart(candidate));
     }
 
-    fn recover(&mut self, candidate: Candidate) {
-        self.break_at = None;
+    fn recover(&mut self, candidate: Candidate, trust: Trust) {
+        self.patience.cancel();
         let (recovering, mode) = match self.settings.means {
             Means::Timer(timebase) => (Recovering::by_timer(candidate, timebase), Mode::Off),
             Means::Controller(_) | Means::Both(_) => {
                 (Recovering::new(candidate), Mode::Listening(candidate))
             }
         };
-        self.phase = Phase::Recovering(recovering);
+        self.phase = Phase::Recovering(recovering, trust);
         self.want(mode);
     }
 
@@ -221,30 +226,12 @@ impl<const N: usize, const R: usize> Node<N, R> {
         self.told = Told::No;
     }
 
-    /// When the silence is to be broken if nothing is heard from `now` on.
-    fn plan_break(&mut self, now: Micros) {
-        let (after, spread) = match (self.settings.rate, self.settings.silence) {
-            (_, Silence::Break { after, spread, .. }) => (after, spread),
-            (RateSetting::Fixed(_), Silence::Wait) => (FIXED_SILENCE, FIXED_SILENCE),
-            (RateSetting::Automatic, Silence::Wait) => return,
-        };
-        // SplitMix64.
-        self.random = self.random.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut mixed = self.random;
-        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        mixed ^= mixed >> 31;
-        let random = Micros(((u128::from(mixed) * u128::from(spread.0)) >> 64) as u64);
-        let doubled = (after + random).times(1 << self.breaks.min(DOUBLINGS_MAX));
-        self.break_at = Some(now + doubled);
-    }
-
     /// An edge of RXD (high is recessive): the timer was at `ticks`, the line is at `level` from now
     /// on. To be told while the stage is [`Stage::Detecting`] or [`Stage::Recovering`].
     pub fn edge(&mut self, ticks: u64, level: Logic) {
         match &mut self.phase {
             Phase::Silent(_) => self.search.edge(ticks, level),
-            Phase::Recovering(recovering) => recovering.line(ticks, level),
+            Phase::Recovering(recovering, _) => recovering.line(ticks, level),
             Phase::Active(_) => {}
         }
     }
@@ -254,7 +241,7 @@ impl<const N: usize, const R: usize> Node<N, R> {
     pub fn timer(&mut self, ticks: u64, level: Logic) {
         match &mut self.phase {
             Phase::Silent(_) => self.search.timer(ticks, level),
-            Phase::Recovering(recovering) => recovering.line(ticks, level),
+            Phase::Recovering(recovering, _) => recovering.line(ticks, level),
             Phase::Active(_) => {}
         }
     }
@@ -265,17 +252,21 @@ impl<const N: usize, const R: usize> Node<N, R> {
             // An answer to something that is not wanted any more, or what came in before.
             (Input::Ready(_) | Input::Refused, Told::No) => return,
             (Input::Heard(_) | Input::Sent | Input::Fault { .. }, Told::No | Told::Yes) => return,
-            (Input::Ready(_), _) => self.told = Told::Ready,
+            (Input::Refused, Told::Ready) => return,
+            (Input::Refused, Told::Yes) => return self.refuse(now),
+            (Input::Ready(_), _) => {
+                self.told = Told::Ready;
+                self.refusal = Refusal::default();
+            }
             (_, _) => {}
         }
         match &mut self.phase {
             Phase::Silent(_) => match input {
                 Input::Ready(configured) => self.search.listening(now, *configured),
-                Input::Refused => self.search.refused(now),
                 Input::Heard(observation) => self.search.heard(now, observation),
-                Input::Sent | Input::Fault { .. } => {}
+                Input::Refused | Input::Sent | Input::Fault { .. } => {}
             },
-            Phase::Recovering(recovering) => {
+            Phase::Recovering(recovering, _) => {
                 if wait(recovering, now, input) && self.settings.may_detect() {
                     self.go_silent(now, After::BusOff);
                 }
@@ -289,9 +280,31 @@ impl<const N: usize, const R: usize> Node<N, R> {
         }
     }
 
+    /// The controller cannot, or cannot now: it is asked again after a while, less and less often.
+    fn refuse(&mut self, now: Micros) {
+        // A scan goes on with its other rates first.
+        let at_once = match &self.phase {
+            Phase::Silent(_) => self.search.refused(now),
+            Phase::Recovering(..) | Phase::Active(_) => 0,
+        };
+        let rate = match self.wanted {
+            Mode::Listening(candidate) | Mode::TakingPart(candidate) => Some(candidate.nominal),
+            Mode::Off => None,
+        };
+        self.refusal.note(now, rate, at_once);
+        let stubborn = self.refusal.is_stubborn() && self.settings.may_detect();
+        match (&self.phase, stubborn) {
+            (Phase::Recovering(..), true) => self.go_silent(now, After::BusOff),
+            (Phase::Active(_), true) => self.go_silent(now, After::Other),
+            (Phase::Silent(_) | Phase::Recovering(..) | Phase::Active(_), _) => {
+                self.told = Told::No;
+            }
+        }
+    }
+
     fn note_good_rate(&mut self, rate: Option<Bitrate>) {
         if rate.is_some() {
-            self.breaks = 0;
+            self.patience.renew();
             self.keep |= self.remembered != rate;
             self.remembered = rate;
         }
@@ -302,12 +315,8 @@ impl<const N: usize, const R: usize> Node<N, R> {
         let candidate = active.candidate;
         match (leave, self.settings.may_detect()) {
             (Leave::BusOff, true) => self.go_silent(now, After::BusOff),
-            (Leave::BusOff, false) => self.recover(candidate),
-            (Leave::Misfit, true) => self.go_silent(now, After::Other),
-            (Leave::NobodyThere, true) => {
-                self.breaks = self.breaks.saturating_add(1);
-                self.go_silent(now, After::Other);
-            }
+            (Leave::BusOff, false) => self.recover(candidate, Trust::Sure),
+            (Leave::Misfit | Leave::NobodyThere, true) => self.go_silent(now, After::Other),
             // A mini-master keeps its rate.
             (Leave::Misfit | Leave::NobodyThere, false) => {}
         }
@@ -317,6 +326,9 @@ impl<const N: usize, const R: usize> Node<N, R> {
     pub fn poll(&mut self, now: Micros) -> Option<Action> {
         self.go_on(now);
         if self.told == Told::No {
+            if now < self.refusal.over() {
+                return None;
+            }
             self.told = Told::Yes;
             return Some(match self.wanted {
                 Mode::Off => Action::Stop,
@@ -350,17 +362,16 @@ impl<const N: usize, const R: usize> Node<N, R> {
             Phase::Silent(after) => {
                 let after = *after;
                 if self.search.take_sign() {
-                    self.plan_break(now);
+                    self.patience.plan(now, &self.settings);
                 }
                 match self.search.poll(now) {
                     Some(candidate) => self.fit(candidate, after),
-                    None => self.follow_search(now),
+                    None => self.follow_search(now, after),
                 }
             }
-            Phase::Recovering(recovering) => {
+            Phase::Recovering(recovering, trust) => {
                 if recovering.is_complete(now) {
-                    let candidate = recovering.candidate;
-                    let trust = self.trust();
+                    let (candidate, trust) = (recovering.candidate, *trust);
                     self.take_part(candidate, trust);
                 } else {
                     recovering.look(now);
@@ -379,16 +390,20 @@ impl<const N: usize, const R: usize> Node<N, R> {
     }
 
     fn fit(&mut self, candidate: Candidate, after: After) {
+        self.come_back(candidate, after, self.trust());
+    }
+
+    fn come_back(&mut self, candidate: Candidate, after: After, trust: Trust) {
         match after {
-            After::BusOff => self.recover(candidate),
-            After::Other => self.take_part(candidate, self.trust()),
+            After::BusOff => self.recover(candidate, trust),
+            After::Other => self.take_part(candidate, trust),
         }
     }
 
-    fn follow_search(&mut self, now: Micros) {
-        if self.break_at.is_some_and(|at| at <= now) {
+    fn follow_search(&mut self, now: Micros, after: After) {
+        if self.patience.is_over(now) {
             let rate = self.settings.rate.bitrate().unwrap_or_else(|| self.first());
-            return self.take_part(Candidate::classic(rate), Trust::OnTrial);
+            return self.come_back(Candidate::classic(rate), after, Trust::OnTrial);
         }
         match self.search.take_wish() {
             Some(Wish::Listen(candidate)) => self.want(Mode::Listening(candidate)),
@@ -402,11 +417,11 @@ impl<const N: usize, const R: usize> Node<N, R> {
     #[must_use]
     pub fn deadline(&self) -> Option<Micros> {
         match (&self.phase, self.told) {
-            (_, Told::No) => Some(Micros(0)),
+            (_, Told::No) => Some(self.refusal.over()),
             (Phase::Silent(_), _) => {
-                [self.search.deadline(), self.break_at].into_iter().flatten().min()
+                [self.search.deadline(), self.patience.deadline()].into_iter().flatten().min()
             }
-            (Phase::Recovering(recovering), _) => recovering.deadline(),
+            (Phase::Recovering(recovering, _), _) => recovering.deadline(),
             (Phase::Active(active), Told::Ready) => active.deadline(self.sending, &self.settings),
             (Phase::Active(_), Told::Yes) => None,
         }
@@ -417,11 +432,19 @@ impl<const N: usize, const R: usize> Node<N, R> {
     pub const fn stage(&self) -> Stage {
         match &self.phase {
             Phase::Silent(_) => Stage::Detecting,
-            Phase::Recovering(_) => Stage::Recovering,
+            Phase::Recovering(..) => Stage::Recovering,
             Phase::Active(active) => {
                 Stage::TakingPart { bitrate: active.candidate.nominal, nmt: active.nmt() }
             }
         }
+    }
+
+    /// The rate that the controller refuses to be set to, while it does: it is asked again, at first
+    /// after 50 ms, then less and less often. A slave that was to take part detects after three
+    /// refusals.
+    #[must_use]
+    pub const fn refused(&self) -> Option<Bitrate> {
+        self.refusal.rate()
     }
 
     /// How it is set.
@@ -435,11 +458,11 @@ impl<const N: usize, const R: usize> Node<N, R> {
     pub const fn leds(&self) -> Leds {
         match &self.phase {
             // A rate that the device does not have: no configuration that can work.
-            Phase::Silent(_) if self.search.is_foreign() => {
+            Phase::Silent(_) if self.search.is_foreign() || self.refused().is_some() => {
                 Leds { run: Pattern::Flickering, error: Pattern::Blinking }
             }
             Phase::Silent(_) => Leds { run: Pattern::Flickering, error: Pattern::Flickering },
-            Phase::Recovering(_) => Leds { run: Pattern::Off, error: Pattern::On },
+            Phase::Recovering(..) => Leds { run: Pattern::Off, error: Pattern::On },
             Phase::Active(active) => Leds {
                 run: match active.nmt() {
                     None => Pattern::Off,
@@ -447,7 +470,11 @@ impl<const N: usize, const R: usize> Node<N, R> {
                     Some(NmtState::Operational) => Pattern::On,
                     Some(NmtState::Stopped) => Pattern::SingleFlash,
                 },
-                error: if active.warns() { Pattern::SingleFlash } else { Pattern::Off },
+                error: match (self.refused(), active.warns()) {
+                    (Some(_), _) => Pattern::Blinking,
+                    (None, true) => Pattern::SingleFlash,
+                    (None, false) => Pattern::Off,
+                },
             },
         }
     }
@@ -461,6 +488,7 @@ fn wait(recovering: &mut Recovering, now: Micros, input: &Input) -> bool {
             recovering.frame(now);
         }
         Input::Heard(Observation::Error(_)) => return recovering.error(now),
+        // A refusal is for the machine.
         Input::Heard(_) | Input::Refused | Input::Sent | Input::Fault { .. } => {}
     }
     false

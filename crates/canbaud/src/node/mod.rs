@@ -20,6 +20,7 @@ mod led;
 mod machine;
 mod measure;
 mod nmt;
+mod patience;
 mod record;
 mod recovering;
 mod search;

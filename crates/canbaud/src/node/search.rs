@@ -158,14 +158,19 @@ impl<const N: usize, const R: usize> Search<N, R> {
         }
     }
 
-    /// The controller cannot listen as wished.
-    pub(super) fn refused(&mut self, now: Micros) {
+    /// The controller cannot listen as wished. How often in a row it may be asked for something else
+    /// at once.
+    pub(super) fn refused(&mut self, now: Micros) -> u32 {
         match &mut self.method {
-            Method::Scan { scan, .. } => scan.handle_refused(now),
+            Method::Scan { scan, .. } => {
+                scan.handle_refused(now);
+                self.rates.len().saturating_sub(1) as u32
+            }
             // Perhaps the next measurement says something else.
             Method::Measure(measure) | Method::MeasureAndListen { measure, .. } => {
                 measure.restart();
-                self.measured = Measured::Foreign;
+                self.measured = Measured::Nothing;
+                0
             }
         }
     }

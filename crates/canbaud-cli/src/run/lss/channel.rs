@@ -78,7 +78,7 @@ impl fmt::Display for Channel {
 
 impl Channel {
     /// Opens it for sending.
-    pub(super) fn open(&self, bitrate: Option<Bitrate>) -> Result<Box<dyn FrameBus>, Trouble> {
+    pub(crate) fn open(&self, bitrate: Option<Bitrate>) -> Result<Box<dyn FrameBus>, Trouble> {
         Ok(match self {
             #[cfg(target_os = "linux")]
             Self::Interface(name) => {

@@ -11,12 +11,13 @@ mod session;
 mod trouble;
 
 pub(crate) use args::{LSS_HELP, LssArgs};
+pub(crate) use channel::Channel;
+pub(crate) use trouble::Trouble;
 
 use std::io;
 
 use args::LssAction;
 use session::Session;
-use trouble::Trouble;
 
 use crate::exit::Exit;
 use crate::run::live::link_error;

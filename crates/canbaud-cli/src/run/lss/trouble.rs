@@ -12,7 +12,7 @@ use crate::printable::printable;
 
 /// What went wrong.
 #[derive(Debug)]
-pub(super) enum Trouble {
+pub(crate) enum Trouble {
     /// The command line asks for something impossible.
     Usage(String),
     /// Transmitting was not allowed.

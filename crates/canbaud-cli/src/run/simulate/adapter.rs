@@ -6,14 +6,16 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
+use canbaud_lab::Autonomous;
 use canbaud_sim::scenario::{Run, Scenario};
 use canbaud_sim::slcan::{Adapter, ErrorReports, Firmware, Pty, SilentMode};
-use canbaud_sim::{Blind, Mode, NodeConfig, NodeId, Span, Time};
+use canbaud_sim::{Mode, NodeConfig, NodeId, Span, Time};
 
 use super::Outcome;
 use super::args::{
     ErrorReports as ReportsName, FirmwareName, SilentMode as SilentModeName, SimulateArgs,
 };
+use super::told::Told;
 
 /// The bus runs this far at a time.
 const SLICE: Span = Span::from_us(500);
@@ -25,8 +27,11 @@ pub(super) fn serve(args: &SimulateArgs, scenario: &Scenario, name: &str) -> Res
     let Some((node, config)) = scenario.node(name) else {
         bail!("no node \"{name}\", there are: {}", scenario.node_names().join(", "));
     };
+    if scenario.is_autonomous(node) {
+        bail!("node \"{name}\" is autonomous, the adapter needs one without software");
+    }
     let config = config.clone();
-    let mut run = Run::new(scenario, args.seed.unwrap_or(scenario.seed))?;
+    let mut run = Run::with(scenario, args.seed.unwrap_or(scenario.seed), &Autonomous)?;
     let off = NodeConfig { mode: Mode::Disabled, ..config.clone() };
     run.sim_mut().reconfigure_at(Time::ZERO, node, off)?;
     run.hold_news(node);
@@ -38,10 +43,11 @@ pub(super) fn serve(args: &SimulateArgs, scenario: &Scenario, name: &str) -> Res
         writeln!(out, "{}", pty.path().display())?;
         out.flush()?;
     }
+    let told = Told::new(scenario.node_names());
     let end = args.unplug_after.map_or(run.end(), |after| run.end().min(Time::ZERO + after));
     let bytes_left = args.unplug_after_bytes.unwrap_or(u64::MAX);
     let pace = if args.fast { Pace::AsFastAsPossible } else { Pace::RealTime };
-    Server { run, adapter, pty, backlog: Vec::new(), bytes_left, end, pace, log }.serve()?;
+    Server { run, adapter, pty, backlog: Vec::new(), bytes_left, end, pace, log, told }.serve()?;
     Ok(Outcome::Good)
 }
 
@@ -91,6 +97,7 @@ struct Server {
     end: Time,
     pace: Pace,
     log: Option<Box<dyn Write>>,
+    told: Told,
 }
 
 impl Server {
@@ -120,7 +127,7 @@ impl Server {
     }
 
     fn advance(&mut self, until: Time) {
-        self.run.advance(until, &mut Blind);
+        self.run.advance(until, &mut self.told);
         for (at, _, event) in self.run.take_held_news() {
             self.adapter.notice(at, &event, self.run.sim());
         }
@@ -152,8 +159,11 @@ impl Server {
 
     /// Line by line, for whoever reads along or ends this program.
     fn write_log(&mut self) -> Result<()> {
-        let entries = self.adapter.take_log();
+        let (entries, told) = (self.adapter.take_log(), self.told.take());
         if let Some(log) = &mut self.log {
+            for line in &told {
+                writeln!(log, "{line}").context("cannot write the log")?;
+            }
             for entry in &entries {
                 writeln!(log, "{entry}").context("cannot write the log")?;
             }

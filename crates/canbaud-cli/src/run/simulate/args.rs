@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use canbaud::units::Hertz;
+use canbaud::units::{Bitrate, Hertz};
 use canbaud_sim::Span;
 use clap::{Args, ValueEnum};
+
+use crate::run::lss::Channel;
 
 /// Arguments of `canbaud simulate`.
 #[derive(Debug, Args)]
@@ -14,6 +16,8 @@ Examples:
   canbaud simulate bus.toml -q --sr bus.sr         for PulseView and sigrok-cli
   canbaud simulate bus.toml --repeat 1000 --json   statistics over seeds
   canbaud simulate bus.toml --slcan tester         the bus as an adapter on a pty
+  canbaud simulate net.toml --bridge right --on vcan0 --transmit
+                                                   a network for an LSS master to be tried on
 
 Exit codes:
   0  the scenario ran as it expects          3  an expectation was not met
@@ -26,6 +30,10 @@ pub(crate) struct SimulateArgs {
     /// Seed instead of the one of the scenario; the first one with --repeat
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
+
+    /// How long the run is, instead of the duration of the scenario
+    #[arg(long = "for", value_name = "TIME")]
+    pub(crate) duration: Option<Span>,
 
     /// Run with N seeds one after the other, on all cores, and print statistics
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..),
@@ -68,6 +76,24 @@ pub(crate) struct SimulateArgs {
     /// Offer this node of the scenario as a slcan adapter on a pty; its path is printed first
     #[arg(long, value_name = "NODE", conflicts_with_all = ["vcd", "sr", "candump", "json"])]
     pub(crate) slcan: Option<String>,
+
+    /// Let this node of the scenario be the end of a channel (--on): what it receives is sent there,
+    /// what comes from there it sends; in real time
+    #[arg(long, value_name = "NODE", requires = "on",
+          conflicts_with_all = ["vcd", "sr", "candump", "json", "repeat", "slcan"])]
+    pub(crate) bridge: Option<String>,
+
+    /// The channel of the bridge: vcan0, can0, slcan:/dev/ttyACM0, udp:239.74.163.2:43113
+    #[arg(long, value_name = "CHANNEL", requires = "bridge")]
+    pub(crate) on: Option<Channel>,
+
+    /// Bit rate to open a serial adapter at, for the bridge
+    #[arg(long, value_name = "RATE", requires = "on")]
+    pub(crate) bitrate: Option<Bitrate>,
+
+    /// Yes, transmit on the channel: without this nothing is opened
+    #[arg(long, requires = "on")]
+    pub(crate) transmit: bool,
 
     /// Whose adapter it is
     #[arg(long, value_name = "WHOSE", default_value = "lawicel", requires = "slcan")]

@@ -2,9 +2,11 @@
 
 mod adapter;
 mod args;
+mod bridge;
 mod files;
 mod once;
 mod repeat;
+mod told;
 
 use anyhow::Result;
 use canbaud_sim::scenario::Scenario;
@@ -34,7 +36,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Exit {
             return Exit::Unreadable;
         }
     };
-    let scenario = match Scenario::parse(&name, &text) {
+    let mut scenario = match Scenario::parse(&name, &text) {
         Ok(scenario) => scenario,
         Err(error) => {
             tell!("canbaud: {}", printable(&error.to_string()));
@@ -42,6 +44,11 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Exit {
             return Exit::Usage;
         }
     };
+    scenario.duration = args.duration.unwrap_or(scenario.duration);
+    if let (Some(channel), false) = (&args.on, args.transmit) {
+        tell!("canbaud: this transmits on {channel}: say --transmit");
+        return Exit::Usage;
+    }
     if let Some(node) = args.slcan.as_deref().filter(|node| scenario.node(node).is_none()) {
         let (node, nodes) = (printable(node), scenario.node_names().join(", "));
         tell!("canbaud: {}: no node \"{node}\"; there are {}", printable(&name), printable(&nodes));
@@ -68,6 +75,8 @@ fn is_closed_pipe(error: &anyhow::Error) -> bool {
 fn dispatch(args: &SimulateArgs, scenario: &Scenario) -> Result<Outcome> {
     if let Some(node) = &args.slcan {
         adapter::serve(args, scenario, node)
+    } else if let (Some(node), Some(channel)) = (&args.bridge, &args.on) {
+        bridge::serve(args, scenario, node, channel)
     } else if let Some(count) = args.repeat {
         repeat::run(args, scenario, count)
     } else {

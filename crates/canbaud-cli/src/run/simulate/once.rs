@@ -3,6 +3,7 @@
 use std::io::{self, BufWriter, IsTerminal, Write};
 
 use anyhow::Result;
+use canbaud_lab::Autonomous;
 use canbaud_sim::check::Checker;
 use canbaud_sim::scenario::{Run, Scenario, Timeline};
 use canbaud_sim::write::Recorder;
@@ -14,7 +15,7 @@ use crate::tell::tell;
 
 pub(super) fn run(args: &SimulateArgs, scenario: &Scenario) -> Result<Outcome> {
     let seed = args.seed.unwrap_or(scenario.seed);
-    let mut run = Run::new(scenario, seed)?;
+    let mut run = Run::with(scenario, seed, &Autonomous)?;
     let mut recorder = Recorder::default();
     let records = files::any(args);
     let violations = if args.check {
@@ -79,9 +80,13 @@ fn summary(run: &Run, seed: u64) -> Result<()> {
         "node", "sent", "received", "errors", "TEC max", "REC max"
     )?;
     for node in &statistics.nodes {
-        let found = node.found_bitrate.map_or(String::new(), |rate| {
-            format!(", found {rate} bit/s after {:.6} s", node.found_at_s.unwrap_or(0.0))
-        });
+        let at = node.found_at_s.unwrap_or(0.0);
+        let found = match (&node.stage, node.found_bitrate) {
+            (Some(stage), Some(rate)) => format!(", {stage}, at {rate} bit/s since {at:.6} s"),
+            (Some(stage), None) => format!(", {stage}"),
+            (None, Some(rate)) => format!(", found {rate} bit/s after {at:.6} s"),
+            (None, None) => String::new(),
+        };
         writeln!(
             out,
             "{:width$}  {:>8}  {:>8}  {:>6}  {:>7}  {:>7}  {}{found}",

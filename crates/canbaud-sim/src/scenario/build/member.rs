@@ -1,5 +1,6 @@
 //! Nodes and their software.
 
+use canbaud::lss::RateSetting;
 use canbaud::wire::{FdCrc, Frame, FrameKind};
 
 use super::timing::{ppb, timing_for, timings, usual_sample_point};
@@ -12,13 +13,15 @@ use crate::node::{
     FdSupport, Gate, Mode, MonitoringCounters, NodeConfig, Oscillator, Recovery, Retransmission,
     Tdc, Wire,
 };
-use crate::scenario::lss;
 use crate::scenario::model::{
     AutobaudTable, CountersName, FdCrcName, FdName, GateName, ModeName, NodeTable, RecoveryName,
     ReplyTable, RetransmissionName, WireName,
 };
 use crate::scenario::text::Text;
+use crate::scenario::{autonomous, lss};
+use crate::software::AutonomousPlan;
 use crate::time::{Span, Time};
+use crate::timing::BitTiming;
 
 /// T_cc where a scenario does not say.
 const RECONFIGURATION: Span = Span::from_us(100);
@@ -34,6 +37,9 @@ pub(in crate::scenario) struct Member {
     pub(in crate::scenario) replies: Vec<Reply>,
     pub(in crate::scenario) boot_up: Option<u8>,
     pub(in crate::scenario) lss: Option<LssSetup>,
+    pub(in crate::scenario) autonomous: Option<AutonomousPlan>,
+    /// Power comes up to so much later than `joins`.
+    pub(in crate::scenario) joins_spread: Span,
 }
 
 pub(super) fn member(table: &NodeTable, scenario: &Scenario) -> Outcome<Member> {
@@ -43,13 +49,21 @@ pub(super) fn member(table: &NodeTable, scenario: &Scenario) -> Outcome<Member> 
     let hertz = table.clock.map_or(80_000_000, |clock| clock.0.hertz());
     let oscillator = Oscillator { hertz, ppb: ppb(table.ppm)? };
     oscillator.check().map_err(|error| error.to_string())?;
-    let (nominal, data) = timings(table, hertz)?;
+    let autonomous = table.autonomous.as_ref();
+    let autonomous = autonomous.map(|plan| autonomous::plan(table, plan, hertz)).transpose()?;
+    let (nominal, data) = match autonomous {
+        Some(_) => (out_of_reset(hertz)?, None),
+        None => timings(table, hertz)?,
+    };
     let config = NodeConfig {
         name: table.name.clone(),
         oscillator,
         nominal,
         data,
-        mode: table.mode.map_or(Mode::Normal, mode),
+        mode: match autonomous {
+            Some(_) => Mode::Disabled,
+            None => table.mode.map_or(Mode::Normal, mode),
+        },
         fd: match table.fd {
             Some(FdName::None) => FdSupport::None,
             Some(FdName::Tolerant) => FdSupport::Tolerant,
@@ -84,6 +98,7 @@ pub(super) fn member(table: &NodeTable, scenario: &Scenario) -> Outcome<Member> 
     }
     let joins = table.joins.map(|span| Time::ZERO + span.0);
     let lss = match &table.lss {
+        Some(_) if autonomous.is_some() => None,
         Some(_) if program != Program::Fixed || !replies.is_empty() => {
             return Err("give lss, or autobaud, fallback and reply, not both".into());
         }
@@ -91,7 +106,18 @@ pub(super) fn member(table: &NodeTable, scenario: &Scenario) -> Outcome<Member> 
         None => None,
     };
     let (tec, rec) = (table.tec, table.rec);
-    Ok(Member { config, tec, rec, joins, program, replies, boot_up, lss })
+    let joins_spread = table.autonomous.as_ref().and_then(|table| table.joins_spread);
+    let joins_spread = joins_spread.map_or(Span::ZERO, |span| span.0);
+    Ok(Member { config, tec, rec, joins, program, replies, boot_up, lss, autonomous, joins_spread })
+}
+
+/// Any timing that a clock of `hertz` can make: the software will set another.
+fn out_of_reset(hertz: u64) -> Outcome<BitTiming> {
+    let rates = canbaud::lss::TABLE.iter().rev();
+    let rates = rates.filter_map(|row| row.setting.and_then(RateSetting::bitrate));
+    let mut timings = rates.map(|rate| timing_for(hertz, rate, usual_sample_point(rate)));
+    let found = timings.find_map(Result::ok);
+    found.ok_or_else(|| format!("a clock of {hertz} Hz can make no bit rate of CANopen"))
 }
 
 fn transceiver(table: &NodeTable) -> Transceiver {

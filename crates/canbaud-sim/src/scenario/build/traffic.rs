@@ -62,6 +62,9 @@ pub(super) fn stream(
     directory: &Path,
 ) -> Outcome<Stream> {
     let node = find(scenario, &table.node)?;
+    if scenario.is_autonomous(node) {
+        return Err("an autonomous node sends by itself: give it pdo, sync or heartbeat".into());
+    }
     let period = || {
         let span = table.period.ok_or("this kind of traffic needs a period")?.0;
         if span == Span::ZERO {

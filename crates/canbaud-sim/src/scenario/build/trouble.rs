@@ -3,7 +3,7 @@
 use super::timing::{ppb, timing_for, usual_sample_point};
 use super::{Outcome, Scenario, find};
 use crate::event::NodeId;
-use crate::scenario::model::{ChangeTable, DisturbanceKind, DisturbanceTable};
+use crate::scenario::model::{ChangeTable, DisturbanceKind, DisturbanceTable, PowerName};
 use crate::time::{Span, Time};
 use crate::timing::BitTiming;
 
@@ -21,8 +21,22 @@ pub(in crate::scenario) struct Trouble {
 /// What changes at a node, and when.
 #[derive(Debug, Clone)]
 pub(in crate::scenario) enum Change {
-    Drift { ppb: i64 },
-    SetUp { edit: ChangeTable, timing: Option<BitTiming> },
+    Drift {
+        ppb: i64,
+    },
+    SetUp {
+        edit: ChangeTable,
+        timing: Option<BitTiming>,
+    },
+    /// Of an autonomous node.
+    Power(Power),
+}
+
+/// Whether a device has power.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::scenario) enum Power {
+    On,
+    Off,
 }
 
 pub(super) fn trouble(table: &DisturbanceTable, scenario: &Scenario) -> Outcome<Trouble> {
@@ -55,6 +69,16 @@ pub(super) fn change(table: &ChangeTable, scenario: &Scenario) -> Outcome<(Time,
         || table.mode.is_some()
         || table.gate.is_some()
         || table.wire.is_some();
+    let autonomous = scenario.members[node.0].autonomous.is_some();
+    match (autonomous, table.power, table.ppm.is_some() || sets_up) {
+        (true, Some(PowerName::On), false) => return Ok((at, node, Change::Power(Power::On))),
+        (true, Some(PowerName::Off), false) => return Ok((at, node, Change::Power(Power::Off))),
+        (true, ..) => return Err("of an autonomous node only power can be changed".into()),
+        (false, Some(_), _) => {
+            return Err("power is of autonomous nodes; others have mode = \"disabled\"".into());
+        }
+        (false, None, _) => {}
+    }
     let change = match (table.ppm, sets_up) {
         (Some(ppm), false) => Change::Drift { ppb: ppb(ppm)? },
         (None, true) => {

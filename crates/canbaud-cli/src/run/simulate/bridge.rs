@@ -1,0 +1,137 @@
+//! The bus behind a channel of this machine: vcan, an interface, an adapter, UDP multicast.
+
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, anyhow, bail};
+use canbaud::lss::{RateSetting, Request};
+use canbaud::timing::default_sample_point;
+use canbaud::units::{Bitrate, Permille};
+use canbaud::wire::Frame;
+use canbaud_lab::Autonomous;
+use canbaud_link::bus::FrameBus;
+use canbaud_sim::scenario::{Run, Scenario};
+use canbaud_sim::{BitTiming, Event, Mode, NodeConfig, NodeId, Span, Time};
+
+use super::Outcome;
+use super::args::SimulateArgs;
+use super::told::Told;
+use crate::run::lss::Channel;
+use crate::tell::tell;
+
+/// The bus runs this far at a time.
+const SLICE: Span = Span::from_us(500);
+
+/// Serves until the end of the scenario.
+pub(super) fn serve(
+    args: &SimulateArgs,
+    scenario: &Scenario,
+    name: &str,
+    channel: &Channel,
+) -> Result<Outcome> {
+    let Some((node, config)) = scenario.node(name) else {
+        bail!("no node \"{name}\", there are: {}", scenario.node_names().join(", "));
+    };
+    if scenario.is_autonomous(node) {
+        bail!("node \"{name}\" is autonomous, the bridge needs one without software");
+    }
+    let config = NodeConfig { mode: Mode::Normal, ..config.clone() };
+    let mut run = Run::with(scenario, args.seed.unwrap_or(scenario.seed), &Autonomous)?;
+    run.sim_mut().reconfigure_at(Time::ZERO, node, config)?;
+    run.hold_news(node);
+    let bus = channel.open(args.bitrate).map_err(|trouble| anyhow!("{trouble}"))?;
+    tell!("canbaud: transmits on {channel} what node \"{name}\" receives");
+    let follow = if bus.is_virtual() { Follow::Activations } else { Follow::Nothing };
+    let told = Told::new(scenario.node_names());
+    Bridge { run, node, bus, follow, pending: None, told }.serve()?;
+    Ok(Outcome::Good)
+}
+
+/// What the node in the scenario goes along with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Follow {
+    /// The channel has no bit rate, so the master cannot change it: the node does, as the master's
+    /// own interface would.
+    Activations,
+    /// The channel has a bit rate of its own.
+    Nothing,
+}
+
+struct Bridge {
+    run: Run,
+    node: NodeId,
+    bus: Box<dyn FrameBus>,
+    follow: Follow,
+    /// The bit rate that a device was set to last.
+    pending: Option<Bitrate>,
+    told: Told,
+}
+
+impl Bridge {
+    fn serve(mut self) -> Result<()> {
+        let (began, end) = (Instant::now(), self.run.end());
+        while self.run.sim().now() < end {
+            let until = (self.run.sim().now() + SLICE).min(end);
+            self.run.advance(until, &mut self.told);
+            for (_, _, event) in self.run.take_held_news() {
+                if let Event::Received { frame } = event {
+                    self.bus.send(&frame)?;
+                }
+            }
+            self.show()?;
+            let due = began + Duration::from_nanos(until.femtoseconds() / 1_000_000);
+            loop {
+                let left = due.saturating_duration_since(Instant::now());
+                match self.bus.receive(left)? {
+                    Some(frame) => self.forward(frame)?,
+                    None => break,
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn forward(&mut self, frame: Frame) -> Result<()> {
+        let now = self.run.sim().now();
+        self.run.sim_mut().send_at(now, self.node, frame);
+        match Request::from_frame(&frame) {
+            Some(Request::ConfigureBitTiming { table_selector: 0, table_index }) => {
+                self.pending = RateSetting::from_index(table_index).and_then(RateSetting::bitrate);
+            }
+            Some(Request::ActivateBitTiming { switch_delay_ms })
+                if self.follow == Follow::Activations =>
+            {
+                self.go_along(Span::from_ms(switch_delay_ms.into()))?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Off when the devices switch, on again in the middle of their silence.
+    fn go_along(&mut self, delay: Span) -> Result<()> {
+        let Some(rate) = self.pending.take() else { return Ok(()) };
+        let at = self.run.sim().now() + delay;
+        let mut config = self.run.sim().node(self.node).config().clone();
+        let point = Permille::new(default_sample_point(rate).permille()).unwrap_or_default();
+        let hertz = config.oscillator.hertz;
+        config.nominal = BitTiming::find(hertz, rate.bits_per_second(), point)?;
+        let off = NodeConfig { mode: Mode::Disabled, ..config.clone() };
+        let sim = self.run.sim_mut();
+        sim.reconfigure_at(at, self.node, off)?;
+        sim.reconfigure_at(at + Span::from_fs(delay.femtoseconds() / 2), self.node, config)?;
+        Ok(())
+    }
+
+    fn show(&mut self) -> Result<()> {
+        let lines = self.told.take();
+        if !lines.is_empty() {
+            let mut out = io::stdout().lock();
+            for line in lines {
+                writeln!(out, "{line}")?;
+            }
+            out.flush()?;
+        }
+        Ok(())
+    }
+}
