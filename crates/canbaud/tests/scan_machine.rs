@@ -417,6 +417,30 @@ fn silence_is_said_only_by_a_controller_that_would_have_told_errors() {
 }
 
 #[test]
+fn no_candidate_fits_is_sure_only_if_each_was_refuted() {
+    // An error wherever it listens, or one alone and then nothing.
+    for (every_time, want) in [(true, Ground::Refuted), (false, Ground::OutOfTime)] {
+        let mut hand = Hand::new(Evidence::Errors, Micros(0), Settings::default());
+        let mut errors = 0;
+        while hand.scan.outcome().is_none() {
+            hand.poll();
+            if hand.scan.listens() && (every_time || errors == 0) {
+                hand.wait(ms(5));
+                hand.error(ErrorClass::Stuff, ErrorPlace::Arbitration);
+                errors += 1;
+            }
+            if let Some(due) = hand.scan.deadline() {
+                hand.now = hand.now.max(due);
+            }
+        }
+        let Some(Outcome::NoCandidateFits(misfit)) = hand.scan.outcome() else {
+            panic!("{:?}", hand.scan.outcome());
+        };
+        assert_eq!(misfit.ground, want, "after {errors} errors");
+    }
+}
+
+#[test]
 fn without_an_end_it_goes_on_listening() {
     let settings = Settings { end: End::Never, ..Settings::default() };
     let mut hand = Hand::new(Evidence::FramesOnly, Micros(0), settings);

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use canbaud::detect::scan::{
-    Activity, Driver, FdSeen, FdSupport, Found, Misfit, Outcome as Said, Policy, Progress, Scan,
-    Settings, Standing,
+    Activity, Driver, FdSeen, FdSupport, Found, Ground, Misfit, Outcome as Said, Policy, Progress,
+    Scan, Settings, Standing,
 };
 use canbaud::rates;
 use canbaud::units::{Bitrate, Micros};
@@ -13,7 +13,7 @@ use canbaud_link::{Clock, LinkError, Listener};
 use super::plan::{List, Plan, ROOM};
 use super::stop::Stop;
 use super::watch::Watch;
-use crate::output::bitrate;
+use crate::output::{bitrate, count};
 use crate::report::{Caveat, LiveRate, LiveReport, Outcome};
 
 /// Signals are looked for this often at least.
@@ -197,10 +197,7 @@ impl Finding<'_> {
             }
             Stage::Said(Said::NoCandidateFits(misfit)) => judge_misfit(&mut report, *misfit),
             Stage::Said(Said::StillOpen) => {
-                report.need = Some(
-                    "nothing was heard, and this adapter cannot tell a wrong rate from a silent bus"
-                        .to_owned(),
-                );
+                report.need = Some(still_open(&all.tried));
                 caveat(
                     &mut report,
                     "cannot_tell",
@@ -297,10 +294,27 @@ fn judge_found(report: &mut LiveReport, found: &Found) {
     }
 }
 
+/// An adapter that tells frames only has confirmed none.
+fn still_open(tried: &[Standing]) -> String {
+    match tried.iter().filter(|one| one.frames > 0).max_by_key(|one| one.weight) {
+        Some(one) => format!(
+            "{} could be read at {}, too little to be sure of it",
+            count(u64::from(one.frames), "frame", "frames"),
+            bitrate(one.candidate.nominal.bits_per_second())
+        ),
+        None => "nothing was heard, and this adapter cannot tell a wrong rate from a silent bus"
+            .to_owned(),
+    }
+}
+
 fn judge_misfit(report: &mut LiveReport, misfit: Misfit) {
-    report.need = Some("there is traffic, at none of the rates that were tried".to_owned());
-    match misfit.perhaps_fd {
-        Some(candidate) => {
+    let need = match misfit.ground {
+        Ground::Refuted => "there is traffic, at none of the rates that were tried",
+        Ground::OutOfTime => "there is traffic, and none of the rates was confirmed in this time",
+    };
+    report.need = Some(need.to_owned());
+    match (misfit.perhaps_fd, misfit.ground) {
+        (Some(candidate), _) => {
             let rate = bitrate(candidate.nominal.bits_per_second());
             let text = format!(
                 "At {rate} every frame was read past its identifier and none to its end: perhaps \
@@ -308,7 +322,13 @@ fn judge_misfit(report: &mut LiveReport, misfit: Misfit) {
             );
             report.caveats.push(Caveat { code: "perhaps_fd", text });
         }
-        None => caveat(
+        (None, Ground::OutOfTime) => caveat(
+            report,
+            "rare_frames",
+            "Frames may be rare, or mostly destroyed: --timeout 5min listens longer; --sweep 10k..1M \
+             tries every rate.",
+        ),
+        (None, Ground::Refuted) => caveat(
             report,
             "other_rates",
             "--sweep 10k..1M tries every rate; wrong wiring, a missing termination or noise look \

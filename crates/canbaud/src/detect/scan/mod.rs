@@ -37,6 +37,6 @@ pub use controller::{Capabilities, Configured, Controller, Evidence, FdSupport, 
 pub use driver::{Driver, Progress};
 pub use machine::{Action, Scan};
 pub use observation::{ErrorClass, ErrorPlace, ErrorSeen, FrameSeen, Observation, Origin};
-pub use outcome::{Acknowledgement, FdSeen, Found, Misfit, Outcome};
+pub use outcome::{Acknowledgement, FdSeen, Found, Ground, Misfit, Outcome};
 pub use settings::{End, Policy, Settings, UnknownPolicy};
 pub use status::{Activity, Standing, Status};

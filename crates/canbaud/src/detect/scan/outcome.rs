@@ -106,6 +106,17 @@ pub struct Misfit {
     /// The candidate at which a classic-only controller read every frame past the arbitration
     /// field and none to its end: perhaps the rate of a CAN FD bus.
     pub perhaps_fd: Option<Candidate>,
+    /// How sure that is.
+    pub ground: Ground,
+}
+
+/// On what ground it is said that no candidate fits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Ground {
+    /// Each met so many errors and no frame that it cannot be the rate.
+    Refuted,
+    /// The time was over: the rate may be one of them whose frames are rare or mostly destroyed.
+    OutOfTime,
 }
 
 /// What a scan says in the end.
@@ -115,7 +126,7 @@ pub enum Outcome {
     Found(Found),
     /// Nothing was heard by a controller that would have told errors: nobody sends.
     Silent,
-    /// There is traffic, and it is at none of the rates.
+    /// There is traffic, and it was confirmed at none of the rates.
     NoCandidateFits(Misfit),
     /// Nothing was heard, and this controller cannot tell a wrong rate from a silent bus.
     StillOpen,

@@ -3,7 +3,7 @@
 use super::machine::{Scan, Step};
 use super::track::Track;
 use super::{
-    Acknowledgement, Candidate, Evidence, FdSeen, FdSupport, Found, Misfit, Outcome, Policy,
+    Acknowledgement, Candidate, Evidence, FdSeen, FdSupport, Found, Ground, Misfit, Outcome, Policy,
 };
 use crate::units::Micros;
 
@@ -46,7 +46,8 @@ impl<const N: usize> Scan<N> {
     pub(super) fn without_verdict(&self) -> Outcome {
         // A lone frame that nothing confirmed is no sign that the others were missed.
         if self.traffic.tells || self.traffic.edges {
-            return Outcome::NoCandidateFits(Misfit { perhaps_fd: self.perhaps_fd() });
+            let ground = if self.all_refuted() { Ground::Refuted } else { Ground::OutOfTime };
+            return Outcome::NoCandidateFits(Misfit { perhaps_fd: self.perhaps_fd(), ground });
         }
         match self.evidence {
             Evidence::Errors => Outcome::Silent,
