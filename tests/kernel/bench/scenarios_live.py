@@ -121,6 +121,42 @@ def applies_the_rate(bench):
     bench.down()
 
 
+LSS = "/run/canbaud lss"
+# How `canbaud lss` ends, and with what status, while it has can0 at 125 kbit/s.
+LSS_ENDINGS = {
+    "no answer": (f"{LSS} inquire --on can0 --bitrate 125k --transmit --timeout 100ms", 4),
+    "SIGTERM": (f"timeout --preserve-status -s TERM 1.5 {LSS} serve --address 1:2:3:4 --on can0 "
+                "--bitrate 125k --transmit", 143),
+    "nobody who reads": (f"{LSS} serve --address 1:2:3:4 --on can0 --bitrate 125k --transmit "
+                         "--for 1s 2>&- >&-", 0),
+}
+
+
+def lss_puts_back(bench):
+    """LSS changes the bit rate for a time; where an activation succeeded, it stays."""
+    report = bench.report
+    setup = "ip link set can0 type can bitrate 250000 && ip link set can0 txqueuelen 77 up"
+    for ending, (script, wanted) in LSS_ENDINGS.items():
+        bench.plug(bus(250_000, period=None))
+        bench.prepare(setup)
+        before = bench.settings()
+        result = bench.sh(script)
+        report.equal(result.status, wanted, f"{ending} ends it")
+        if wanted:
+            report.check("can0 is put back as it was found" in result.output,
+                         f"and it says that it is put back ({ending})", result.output)
+        report.equal(bench.settings(), before, f"as it was after {ending}")
+        bench.down()
+    bench.plug(bus(250_000, period=None))
+    bench.prepare(setup)
+    result = bench.sh(f"{LSS} activate --on can0 --delay 50ms --to 500k --transmit")
+    report.check(result.status == 0 and "can0 stays at 500kbit/s" in result.output,
+                 "an activation is gone along with", f"status {result.status}\n{result.output}")
+    report.equal((bench.bitrate(), bench.settings()["operstate"]), (500_000, "UP"),
+                 "and can0 is up at 500 kbit/s")
+    bench.down()
+
+
 def needs_the_permission(bench):
     """Without CAP_NET_ADMIN: one clear line, exit 6, and nothing was touched."""
     bench.plug(bus(125_000))
@@ -182,6 +218,7 @@ ALL = [
     finds_the_rate,
     puts_everything_back,
     applies_the_rate,
+    lss_puts_back,
     needs_the_permission,
     ignores_its_own_host,
     survives_the_unplugging,
