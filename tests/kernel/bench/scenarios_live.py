@@ -81,8 +81,8 @@ def puts_back(bench, state, setup, ending, *options):
 # Statuses: undecided or no traffic; 128 + signal.
 ENDINGS = {
     "the time limit": ("/run/canbaud detect can0 --timeout 2s", (3, 4)),
-    "SIGINT": ("timeout --preserve-status -s INT 1.5 /run/canbaud detect can0", (130,)),
-    "SIGTERM": ("timeout --preserve-status -s TERM 1.5 /run/canbaud detect can0", (143,)),
+    "SIGINT": ("timeout --preserve-status -s INT 3 /run/canbaud detect can0", (130,)),
+    "SIGTERM": ("timeout --preserve-status -s TERM 3 /run/canbaud detect can0", (143,)),
 }
 STATES = {
     "down with a rate": "ip link set can0 type can bitrate 125000",
