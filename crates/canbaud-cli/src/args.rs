@@ -27,7 +27,7 @@ Examples:
 Exit codes:
   0  a rate was found and proven        4  no traffic
   2  wrong command line                 5  a file cannot be read or written
-  6  no permission                      7  the adapter cannot be used
+  6  no permission                      7  the adapter cannot be used, or not be put back
   3  undecided, two rates in conflict, or an impossible bit timing
   128 + n  ended by signal n; whatever was changed was put back first
   With several sources: 5 before 3 before 4 before 0.";
@@ -58,9 +58,9 @@ Examples:
   canbaud detect --json bus.sr              described by schemas/detect.schema.json
 
 Live buses:
-  can0, socketcan:NAME       an interface of Linux (a file called can0 goes first)
-  slcan:PORT, slcan:PORT@BAUD  a serial adapter: slcan:/dev/ttyACM0, slcan:COM3@1000000
-  replay:FILE, replay:FILE#CHANNEL  a recording in the place of a bus
+  can0, socketcan:NAME                an interface of Linux; a file called can0 goes first
+  slcan:PORT, slcan:PORT@BAUD         a serial adapter: slcan:/dev/ttyACM0, slcan:COM3@1000000
+  replay:FILE, replay:FILE#CHANNEL    a recording in the place of a bus
 
 ",
     formats!()

@@ -31,6 +31,24 @@ pub enum LinkError {
         /// Its path.
         port: String,
     },
+    /// There is no such port.
+    #[error("there is no serial port {port}")]
+    NoPort {
+        /// What was asked for.
+        port: String,
+    },
+    /// What is there is no serial port.
+    #[error("{port} is no serial port")]
+    NotSerial {
+        /// Its path.
+        port: String,
+    },
+    /// Another program has the port.
+    #[error("another program uses {port}")]
+    PortBusy {
+        /// Its path.
+        port: String,
+    },
     /// There is no such interface.
     #[error("there is no interface {name}{}", among(.available))]
     NoInterface {

@@ -113,6 +113,17 @@ def gs_usb_puts_back_the_timing(bench):
     """Sample points, segments, SJW and the data phase are those that were set."""
     for state, setup in FINE_STATES.items():
         puts_back(bench, state, setup, "SIGTERM", "--fd")
+    # LSS alone changes the rate of an interface that takes part.
+    bench.plug(bus(250_000, period=None))
+    bench.prepare("ip link set can0 type can bitrate 250000 sample-point 0.75 sjw 3 && "
+                  "ip link set can0 up")
+    before = bench.settings()
+    result = bench.sh("/run/canbaud lss serve --address 1:2:3:4 --on can0 --bitrate 125k "
+                      "--transmit --for 1s & sleep 0.7; ip -details link show can0; wait")
+    bench.report.check("sample-point 0.750" in result.output and "sjw 3" in result.output,
+                       "a chosen sample point and SJW hold at the rate of LSS", result.output)
+    bench.report.equal(bench.settings(), before, "and are put back with the rate")
+    bench.down()
 
 
 ALL = [

@@ -81,8 +81,8 @@ def puts_back(bench, state, setup, ending, *options):
 # Statuses: undecided or no traffic; 128 + signal.
 ENDINGS = {
     "the time limit": ("/run/canbaud detect can0 --timeout 2s", (3, 4)),
-    "SIGINT": ("timeout --preserve-status -s INT 1.5 /run/canbaud detect can0", (130,)),
-    "SIGTERM": ("timeout --preserve-status -s TERM 1.5 /run/canbaud detect can0", (143,)),
+    "SIGINT": ("timeout --preserve-status -s INT 3 /run/canbaud detect can0", (130,)),
+    "SIGTERM": ("timeout --preserve-status -s TERM 3 /run/canbaud detect can0", (143,)),
 }
 STATES = {
     "down with a rate": "ip link set can0 type can bitrate 125000",
@@ -118,6 +118,42 @@ def applies_the_rate(bench):
     state = bench.settings()
     report.equal((bench.bitrate(), state["ctrlmode"], state["operstate"]),
                  (125_000, [], "UP"), "--apply --normal: up at 125 kbit/s, taking part")
+    bench.down()
+
+
+LSS = "/run/canbaud lss"
+# How `canbaud lss` ends, and with what status, while it has can0 at 125 kbit/s.
+LSS_ENDINGS = {
+    "no answer": (f"{LSS} inquire --on can0 --bitrate 125k --transmit --timeout 100ms", 4),
+    "SIGTERM": (f"timeout --preserve-status -s TERM 1.5 {LSS} serve --address 1:2:3:4 --on can0 "
+                "--bitrate 125k --transmit", 143),
+    "nobody who reads": (f"{LSS} serve --address 1:2:3:4 --on can0 --bitrate 125k --transmit "
+                         "--for 1s 2>&- >&-", 0),
+}
+
+
+def lss_puts_back(bench):
+    """LSS changes the bit rate for a time; where an activation succeeded, it stays."""
+    report = bench.report
+    setup = "ip link set can0 type can bitrate 250000 && ip link set can0 txqueuelen 77 up"
+    for ending, (script, wanted) in LSS_ENDINGS.items():
+        bench.plug(bus(250_000, period=None))
+        bench.prepare(setup)
+        before = bench.settings()
+        result = bench.sh(script)
+        report.equal(result.status, wanted, f"{ending} ends it")
+        if wanted:
+            report.check("can0 is put back as it was found" in result.output,
+                         f"and it says that it is put back ({ending})", result.output)
+        report.equal(bench.settings(), before, f"as it was after {ending}")
+        bench.down()
+    bench.plug(bus(250_000, period=None))
+    bench.prepare(setup)
+    result = bench.sh(f"{LSS} activate --on can0 --delay 50ms --to 500k --transmit")
+    report.check(result.status == 0 and "can0 stays at 500kbit/s" in result.output,
+                 "an activation is gone along with", f"status {result.status}\n{result.output}")
+    report.equal((bench.bitrate(), bench.settings()["operstate"]), (500_000, "UP"),
+                 "and can0 is up at 500 kbit/s")
     bench.down()
 
 
@@ -182,6 +218,7 @@ ALL = [
     finds_the_rate,
     puts_everything_back,
     applies_the_rate,
+    lss_puts_back,
     needs_the_permission,
     ignores_its_own_host,
     survives_the_unplugging,

@@ -266,7 +266,8 @@ mod tests {
             product: None,
             known: None,
         });
-        let last = ports.into_iter().map(serial).map(|entry| value(&entry)).last().unwrap();
+        let all: Vec<_> = ports.into_iter().map(|port| value(&serial(port))).collect();
+        let last = all.last().unwrap();
         assert_eq!(
             (&last["source"], &last["usb"]),
             (&"slcan:/dev/ttyACM0".into(), &"ad50:60c4".into())

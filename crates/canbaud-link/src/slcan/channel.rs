@@ -77,10 +77,8 @@ impl Channel {
             settings.set_baud_rate(baud)?;
             Ok(settings)
         };
-        let mut port = SerialPort::open(path, settings).map_err(|error| match error.kind() {
-            io::ErrorKind::PermissionDenied => LinkError::PortPermission { port: path.to_owned() },
-            _ => LinkError::io(format!("cannot open {path}"), error),
-        })?;
+        let mut port =
+            SerialPort::open(path, settings).map_err(|error| cannot_open(path, error))?;
         // Where the system can: slcand or a modem manager on the same port would garble both.
         #[cfg(unix)]
         let _ = rustix::termios::ioctl_tiocexcl(&port);
@@ -264,5 +262,21 @@ impl Channel {
             adapter: self.name.clone(),
             command: "C and V".to_owned(),
         })
+    }
+}
+
+/// ENOTTY: nothing serial is there.
+const NOT_SERIAL: i32 = 25;
+
+fn cannot_open(path: &str, error: io::Error) -> LinkError {
+    let port = path.to_owned();
+    match error.kind() {
+        io::ErrorKind::PermissionDenied => LinkError::PortPermission { port },
+        io::ErrorKind::NotFound => LinkError::NoPort { port },
+        io::ErrorKind::ResourceBusy => LinkError::PortBusy { port },
+        _ if cfg!(unix) && error.raw_os_error() == Some(NOT_SERIAL) => {
+            LinkError::NotSerial { port }
+        }
+        _ => LinkError::io(format!("cannot open {path}"), error),
     }
 }

@@ -28,8 +28,13 @@ fn every_event_fits_the_schema() {
     assert_eq!(listening["t"], 1.5);
     line(|out| push_evidence(out, now, &one));
     line(|out| push_configuration(out, "networkd", "[Match]\n"));
-    let error = LinkError::Permission { interface: "can0".to_owned() };
-    assert_eq!(line(|out| push_error(out, "can0", &error))["kind"], "permission");
+    for (error, kind) in [
+        (LinkError::Permission { interface: "can0".to_owned() }, "permission"),
+        (LinkError::Gone { adapter: "can0".to_owned() }, "unusable"),
+        (LinkError::Recording { path: "x".to_owned(), reason: "y".to_owned() }, "unreadable"),
+    ] {
+        assert_eq!(line(|out| push_error(out, "can0", &error))["kind"], kind);
+    }
 }
 
 #[test]

@@ -45,9 +45,15 @@ fn hint(error: &LinkError) -> Option<String> {
              you know that this one honours M1"
                 .into()
         }
-        LinkError::Virtual { .. } | LinkError::NotCan { .. } => {
-            "canbaud adapters shows what there is".into()
+        LinkError::PortBusy { .. } => {
+            "end slcand, the modem manager or the terminal that uses it; of slcand, the bus is an \
+             interface: canbaud adapters shows it"
+                .into()
         }
+        LinkError::Virtual { .. }
+        | LinkError::NotCan { .. }
+        | LinkError::NoPort { .. }
+        | LinkError::NotSerial { .. } => "canbaud adapters shows what there is".into(),
         _ => return None,
     })
 }

@@ -211,11 +211,16 @@ impl Finding<'_> {
                 report.need = Some("no verdict in the time that was given".to_owned());
             }
         }
-        if report.found.is_none()
-            && plan.data.is_empty()
-            && listener.capabilities().fd == FdSupport::Fd
-        {
-            caveat(&mut report, "no_fd", "CAN FD was not tried: --fd does.");
+        if plan.data.is_empty() && listener.capabilities().fd == FdSupport::Fd {
+            match &report.found {
+                None => caveat(&mut report, "no_fd", "CAN FD was not tried: --fd does."),
+                Some(found) if found.errors > 0 => caveat(
+                    &mut report,
+                    "no_fd",
+                    "CAN FD was not tried, and its frames look like errors here: --fd does.",
+                ),
+                Some(_) => {}
+            }
         }
         if report.found.is_none() && !plan.left_out.is_empty() {
             let rates: Vec<String> =

@@ -25,7 +25,7 @@ slcan:COM3@1000000), or udp:GROUP:PORT (python-can's udp_multicast). docs/lss.md
 Exit codes:
   0  done                                   4  no device answered
   2  wrong command line                     6  no permission for the channel
-  3  a device refused, or answers           7  the channel cannot be used
+  3  a device refused, or answers           7  the channel cannot be used, or put back
      contradict each other                  128 and the number of a signal: interrupted";
 
 /// `canbaud lss`.
