@@ -1,6 +1,6 @@
 //! Edges in, a verdict out.
 
-use super::grid::{Gaps, Grid, grids};
+use super::grid::{Gaps, Grid, Measured, grids};
 use crate::detect::{BitTime, DataPhase, Found, Need, Verdict};
 use crate::wire::{Logic, Polarity};
 
@@ -236,8 +236,8 @@ impl<const N: usize> CompactDetector<N> {
         let runs = self.runs.get(start.at..self.len).unwrap_or(&[]);
         let mut compared = 0;
         let right = grids(runs, Gaps { before: start.before, behind })
-            .find(|grid| grid.reads(runs, &mut compared));
-        let bit = right.and_then(|grid| bit_time(grid, runs));
+            .find_map(|grid| Some((grid, grid.read(runs, &mut compared)?)));
+        let bit = right.and_then(|(grid, measured)| bit_time(grid, measured));
         let Some(bit) = bit else { return false };
         // Each comparison of a CRC was one chance to be right by accident.
         let chances = u32::next_power_of_two(compared.max(1)).trailing_zeros();
@@ -259,11 +259,11 @@ enum Stretch {
     Frame,
 }
 
-fn bit_time(grid: Grid, runs: &[u32]) -> Option<BitTime> {
+fn bit_time(grid: Grid, measured: Measured) -> Option<BitTime> {
     // Of an edge that strays, twice the deviation is about the most.
-    let deviation = SPAN_DEVIATION.saturating_mul(u32::max(2 * grid.stray_ticks, 1));
+    let deviation = SPAN_DEVIATION.saturating_mul(u32::max(2 * measured.stray_ticks, 1));
     let uncertainty_ppb = deviation.checked_div(grid.ticks)?;
-    Some(BitTime { ticks_q20: grid.fit(runs)?, uncertainty_ppb })
+    Some(BitTime { ticks_q20: measured.ticks_q20, uncertainty_ppb })
 }
 
 impl<const N: usize> Default for CompactDetector<N> {

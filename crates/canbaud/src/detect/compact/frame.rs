@@ -11,8 +11,12 @@ const STUFF: u32 = 5;
 const FLAG: u32 = 6;
 /// More bits of a run change nothing: they are wrong.
 const RUN_MAX: u32 = 8;
-/// The last bit before the data: the last of the DLC, in base and in extended format; SOF is 0.
+/// Bits at which something is decided, in base and in extended format; SOF is 0.
+const IDE: u32 = 13;
+const FDF_BASE: u32 = 14;
 const DLC_END_BASE: u32 = 18;
+const RTR_EXTENDED: u32 = 32;
+const FDF_EXTENDED: u32 = 33;
 const DLC_END_EXTENDED: u32 = 38;
 
 /// Reads from SOF to the acknowledge.
@@ -28,14 +32,26 @@ pub(super) struct Reader {
     equal: u32,
     last: Level,
     remote: bool,
-    dlc_end: u32,
-    crc_end: u32,
+    format: Format,
+    /// Where the field ends that is to be looked at next.
+    next: u32,
+}
+
+/// As much as is known about the fields in front of the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Base,
+    Extended,
+    /// They are read.
+    Known,
 }
 
 /// What comes next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Place {
     Stuffed,
+    /// Five equal bits ended the CRC.
+    LastStuffBit,
     /// The CRC delimiter, or the gap if nobody acknowledged.
     Delimiter,
     Acknowledge,
@@ -57,8 +73,8 @@ impl Reader {
             equal: 0,
             last: Level::Recessive,
             remote: false,
-            dlc_end: DLC_END_BASE,
-            crc_end: u32::MAX,
+            format: Format::Base,
+            next: IDE,
         }
     }
 
@@ -71,6 +87,7 @@ impl Reader {
         for _ in 0..count.min(RUN_MAX) {
             self.place = match (self.place, level) {
                 (Place::Stuffed, _) => self.stuffed(level),
+                (Place::LastStuffBit, _) if level != self.last => Place::Delimiter,
                 (Place::Delimiter, Level::Recessive) => Place::Acknowledge,
                 (Place::Acknowledge, Level::Dominant) => Place::End,
                 (Place::Acknowledge, Level::Recessive) => Place::Flag,
@@ -82,11 +99,15 @@ impl Reader {
     /// Whether the frame is complete; the gap behind it may hold the last bits of the CRC.
     pub(super) fn ends_in_gap(&mut self) -> bool {
         for _ in 0..STUFF {
-            if self.place == Place::Stuffed {
+            if matches!(self.place, Place::Stuffed | Place::LastStuffBit) {
                 self.take(Level::Recessive, 1);
             }
         }
         matches!(self.place, Place::Delimiter | Place::End)
+    }
+
+    pub(super) fn is_wrong(&self) -> bool {
+        self.place == Place::Wrong
     }
 
     pub(super) const fn crc_is_right(&self) -> bool {
@@ -98,54 +119,52 @@ impl Reader {
         self.equal = if level == self.last { self.equal + 1 } else { 1 };
         self.last = level;
         if was_full {
-            // The stuff bit has to be the other level; a last one may follow the CRC.
-            return match (self.equal, self.at > self.crc_end) {
-                (1, false) => Place::Stuffed,
-                (1, true) => Place::Delimiter,
-                _ => Place::Wrong,
-            };
+            // The stuff bit has to be the other level.
+            return if self.equal == 1 { Place::Stuffed } else { Place::Wrong };
         }
         let bit = u32::from(level == Level::Recessive);
         self.recent = self.recent << 1 | bit;
         let carry = u32::from(self.crc >> 14) & 1 ^ bit;
         self.crc = (self.crc << 1 & 0x7FFF) ^ if carry == 1 { CRC_15 } else { 0 };
-        let at = self.at;
         self.at += 1;
-        self.field(at)
+        if self.at <= self.next { Place::Stuffed } else { self.field() }
     }
 
-    /// Looks at the field that ends with the bit `at`.
-    fn field(&mut self, at: u32) -> Place {
-        let is_extended = self.dlc_end == DLC_END_EXTENDED;
-        let right = match at {
-            // SOF.
-            0 => self.recent & 1 == 0,
-            // RTR and IDE, or SRR and IDE.
-            13 => {
-                self.remote = self.recent & 2 == 2;
-                if self.recent & 1 == 1 {
-                    self.dlc_end = DLC_END_EXTENDED;
-                }
-                // SRR is recessive.
-                self.recent & 3 != 1
+    /// Looks at the field that ends with the bit `next`, and says where the next one ends.
+    fn field(&mut self) -> Place {
+        let bit = |behind: u32| self.recent >> behind & 1 == 1;
+        let right = match (self.next, self.format) {
+            (IDE, _) => {
+                self.format = if bit(0) { Format::Extended } else { Format::Base };
+                self.remote = bit(1);
+                self.next = if bit(0) { RTR_EXTENDED } else { FDF_BASE };
+                // In extended format SRR is where RTR is in base format; it is recessive.
+                self.remote || self.format == Format::Base
             }
-            // Recessive, it is FDF.
-            14 if !is_extended => self.recent & 1 == 0,
-            32 if is_extended => {
-                self.remote = self.recent & 1 == 1;
+            (RTR_EXTENDED, Format::Extended) => {
+                self.remote = bit(0);
+                self.next = FDF_EXTENDED;
                 true
             }
-            33 if is_extended => self.recent & 1 == 0,
-            _ => true,
+            // Recessive, it would be a CAN FD frame.
+            (FDF_BASE, Format::Base) => {
+                self.next = DLC_END_BASE;
+                !bit(0)
+            }
+            (FDF_EXTENDED, Format::Extended) => {
+                self.next = DLC_END_EXTENDED;
+                !bit(0)
+            }
+            (DLC_END_BASE, Format::Base) | (DLC_END_EXTENDED, Format::Extended) => {
+                let bytes = if self.remote { 0 } else { u32::min(self.recent & 15, 8) };
+                self.next += 8 * bytes + CRC_BITS;
+                self.format = Format::Known;
+                true
+            }
+            // The end of the CRC. A last stuff bit may follow.
+            _ if self.equal == STUFF => return Place::LastStuffBit,
+            _ => return Place::Delimiter,
         };
-        if at == self.dlc_end {
-            let bytes = if self.remote { 0 } else { u32::min(self.recent & 15, 8) };
-            self.crc_end = at + 8 * bytes + CRC_BITS;
-        }
-        match (right, at == self.crc_end && self.equal < STUFF) {
-            (false, _) => Place::Wrong,
-            (true, true) => Place::Delimiter,
-            (true, false) => Place::Stuffed,
-        }
+        if right { Place::Stuffed } else { Place::Wrong }
     }
 }

@@ -12,6 +12,8 @@ const PERIOD_BITS: core::ops::RangeInclusive<u32> = 2..=10;
 /// Bits of the longest: five dominant ones, five of a CRC, its delimiter, an acknowledge that nobody
 /// gave.
 const PERIOD_BITS_MAX: u32 = 12;
+/// Sets of the multiples of 2, 3 and 5 among the numbers of bits that a run may have.
+const MULTIPLES: [u32; 3] = [0x5555, 0x1249, 0x8421];
 /// Fewest ticks a bit; below, rounding a period to bits is a gamble.
 const TICKS_MIN: u32 = 3;
 /// Longest stretch in ticks, so that products with a number of bits have 32 bits.
@@ -33,7 +35,14 @@ pub(super) struct Gaps {
 pub(super) struct Grid {
     pub(super) ticks: u32,
     pub(super) bits: u32,
-    /// The farthest that an edge to dominant strays, in ticks, rounded down.
+}
+
+/// What a frame said about the bit time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Measured {
+    /// Least squares over the edges to dominant, in ticks times 2^20.
+    pub(super) ticks_q20: u64,
+    /// The farthest that one of them strays, in ticks, rounded down.
     pub(super) stray_ticks: u32,
 }
 
@@ -45,8 +54,10 @@ pub(super) fn grids(runs: &[u32], gaps: Gaps) -> impl Iterator<Item = Grid> {
     PERIOD_BITS
         .filter(move |&bits| {
             // The period may be a tick shorter or longer than its bits.
-            let least = Grid { ticks: shortest.saturating_sub(1), bits, stray_ticks: 0 };
-            fits && shortest + 1 >= bits * TICKS_MIN && least.suits(gaps)
+            let longest = u64::from(shortest) + 1;
+            let is_short = total * u64::from(bits) <= longest * u64::from(FRAME_BITS_MAX);
+            let least = Grid { ticks: shortest.saturating_sub(1), bits };
+            fits && is_short && longest >= u64::from(bits * TICKS_MIN) && least.suits(gaps)
         })
         .filter_map(move |bits| Grid::follow(runs, shortest, bits))
         .filter(move |grid| grid.suits(gaps))
@@ -69,107 +80,127 @@ impl Grid {
     /// Counts the bits of all periods, beginning with a bit time of `period / bits`; `None` if one
     /// is no whole number of bits.
     fn follow(runs: &[u32], period: u32, bits: u32) -> Option<Self> {
-        // At first only periods that are clearly whole: the bit time is still rough.
-        let rough = Self::count_periods(runs, (period, bits), |off, ticks| off <= ticks / 3)?;
-        let all = Self::count_periods(runs, rough, |_, _| true)?;
+        let rough = Self::count_periods(runs, (period, bits), Pass::Rough)?;
+        let all = Self::count_periods(runs, rough, Pass::All)?;
         let (ticks, bits) = (all.0 - rough.0, all.1 - rough.1);
-        Self { ticks, bits, stray_ticks: 0 }.with_stray(runs)
+        (bits <= FRAME_BITS_MAX).then_some(Self { ticks, bits })
     }
 
-    /// Adds the ticks and bits of the periods that are so close to whole bits that `takes` them, to
-    /// those known so far.
+    /// Adds the ticks and bits of the periods to those known so far.
     fn count_periods(
         runs: &[u32],
         (mut ticks, mut bits): (u32, u32),
-        takes: impl Fn(u32, u32) -> bool,
+        pass: Pass,
     ) -> Option<(u32, u32)> {
         for next in periods(runs) {
-            let whole = (next * bits + ticks / 2).checked_div(ticks)?;
-            let off = (next * bits).abs_diff(whole * ticks);
-            if !takes(off, ticks) {
-                continue;
+            let scaled = next * bits;
+            let whole = (scaled + ticks / 2).checked_div(ticks)?;
+            let off = scaled.abs_diff(whole * ticks);
+            match pass {
+                Pass::Rough if off > ticks / 3 => continue,
+                // A quarter of a bit and a tick.
+                Pass::All if off > ticks / 4 + bits => return None,
+                _ if whole > PERIOD_BITS_MAX || bits + whole > COUNT_MAX => return None,
+                _ => (ticks, bits) = (ticks + next, bits + whole),
             }
-            if whole > PERIOD_BITS_MAX || bits + whole > COUNT_MAX {
-                return None;
-            }
-            (ticks, bits) = (ticks + next, bits + whole);
         }
         Some((ticks, bits))
     }
 
-    /// Looks how far the edges are from the grid of the whole stretch; `None` if that is too far.
-    fn with_stray(mut self, runs: &[u32]) -> Option<Self> {
-        if self.bits > FRAME_BITS_MAX {
-            return None;
-        }
-        let (mut ticks, mut most) = (0, 0);
-        let mut rising = Spread::default();
-        for pair in runs.chunks_exact(2) {
-            let &[dominant, recessive] = pair else { break };
-            rising.take(self.off(ticks + dominant));
-            ticks += dominant + recessive;
-            most = most.max(self.off(ticks).unsigned_abs());
-        }
+    /// Reads the frame if all edges lie on the grid and the CRC is right; counts in `compared` if it
+    /// came to the comparison.
+    pub(super) fn read(&self, runs: &[u32], compared: &mut u32) -> Option<Measured> {
+        // Places are counted in ticks times the bits of the grid, whose lines are `ticks` apart.
         let limit = self.ticks / 4 + self.bits;
-        // Edges to recessive are late by what the transceivers make of them, but all alike.
-        if most > limit || rising.width() > 2 * limit {
-            return None;
-        }
-        self.stray_ticks = most.checked_div(self.bits)?;
-        Some(self)
-    }
-
-    /// How far `ticks` are behind the nearest line of the grid, in ticks times its bits.
-    fn off(&self, ticks: u32) -> i32 {
-        let scaled = ticks * self.bits;
-        let lines = (scaled + self.ticks / 2).checked_div(self.ticks).unwrap_or(0);
-        scaled.wrapping_sub(lines * self.ticks) as i32
-    }
-
-    /// Whole bits of `ticks`.
-    fn count(&self, ticks: u32) -> u32 {
-        (ticks * self.bits + self.ticks / 2).checked_div(self.ticks).unwrap_or(0)
-    }
-
-    /// The bit time in ticks times 2^20: least squares over the edges to dominant.
-    pub(super) fn fit(&self, runs: &[u32]) -> Option<u64> {
-        let mut y = 0;
-        let (mut n, mut sx, mut sy, mut sxx, mut sxy) = (1, 0, 0, 0, 0);
-        for next in periods(runs) {
-            y += next;
-            let (x, y) = (u64::from(self.count(y)), u64::from(y));
-            (n, sx, sy) = (n + 1, sx + x, sy + y);
-            (sxx, sxy) = (sxx + x * x, sxy + x * y);
-        }
-        ((n * sxy - sx * sy) << 20).checked_div(n * sxx - sx * sx)
-    }
-
-    /// Whether the runs are a frame with its CRC right; counts it in `compared` if it came to the
-    /// comparison.
-    pub(super) fn reads(&self, runs: &[u32], compared: &mut u32) -> bool {
         let mut reader = Reader::new();
-        let (mut divisor, mut bits) = (0, 0);
+        let mut rising = Spread::default();
+        let mut line = Line::default();
+        let (mut off, mut stray, mut counts) = (0, 0, 0);
         for pair in runs.chunks(2) {
-            let &[dominant, ref recessive @ ..] = pair else { return false };
-            let low = self.count(dominant);
-            let high = match recessive {
-                &[recessive] => self.count(dominant + recessive),
-                _ => low,
-            };
-            let high = high.saturating_sub(low);
-            bits += if recessive.is_empty() { 0 } else { low + high };
-            divisor = gcd(gcd(divisor, low), high);
+            let &[dominant, ref recessive @ ..] = pair else { return None };
+            let (low, late) = self.nearest(dominant, off);
+            counts |= 1_u32 << (low & 31);
             reader.take(Level::Dominant, low);
+            let &[recessive] = recessive else { break };
+            rising.take(late);
+            let whole;
+            (whole, off) = self.nearest(dominant + recessive, off);
+            let high = whole.saturating_sub(low);
+            counts |= 1 << (high & 31);
             reader.take(Level::Recessive, high);
+            stray = off.unsigned_abs().max(stray);
+            // Edges to recessive are late by what the transceivers make of them, but all alike.
+            if reader.is_wrong() || stray > limit || rising.width() > 2 * limit {
+                return None;
+            }
+            line.take(whole, dominant + recessive);
         }
-        // If all runs are multiples, a longer bit time says the same. One by one the periods have to have
-        // the bits that they had on the grid.
-        if divisor != 1 || bits != self.bits || !reader.ends_in_gap() {
-            return false;
+        // If all runs are multiples, a longer bit time says the same.
+        if MULTIPLES.iter().any(|multiples| counts & !multiples == 0)
+            || line.bits != self.bits
+            || !reader.ends_in_gap()
+        {
+            return None;
         }
         *compared += 1;
-        reader.crc_is_right()
+        let ticks_q20 = line.slope_q20().filter(|_| reader.crc_is_right())?;
+        Some(Measured { ticks_q20, stray_ticks: stray.checked_div(self.bits)? })
     }
+
+    /// The line that is nearest to a place `ticks` behind one that is `off` behind its line, and how
+    /// far it is behind that; counts up to [`PERIOD_BITS_MAX`] lines. Without a division, which is
+    /// dear on small controllers.
+    fn nearest(&self, ticks: u32, off: i32) -> (u32, i32) {
+        let step = self.ticks as i32;
+        let mut rest = (ticks * self.bits) as i32 + off;
+        let mut lines = 0;
+        while rest > step / 2 && lines <= PERIOD_BITS_MAX {
+            rest -= step;
+            lines += 1;
+        }
+        (lines, rest)
+    }
+}
+
+/// Least squares over the edges to dominant; the first is at the origin.
+#[derive(Default)]
+struct Line {
+    bits: u32,
+    ticks: u32,
+    edges: u32,
+    sum_bits: u32,
+    sum_ticks: u64,
+    squares: u32,
+    products: u64,
+}
+
+impl Line {
+    fn take(&mut self, bits: u32, ticks: u32) {
+        self.bits += bits;
+        self.ticks += ticks;
+        self.edges += 1;
+        self.sum_bits += self.bits;
+        self.sum_ticks += u64::from(self.ticks);
+        self.squares += self.bits * self.bits;
+        self.products += u64::from(self.bits * self.ticks);
+    }
+
+    fn slope_q20(&self) -> Option<u64> {
+        let count = self.edges + 1;
+        let covariance =
+            u64::from(count) * self.products - u64::from(self.sum_bits) * self.sum_ticks;
+        let variance = count * self.squares - self.sum_bits * self.sum_bits;
+        (covariance << 20).checked_div(u64::from(variance))
+    }
+}
+
+/// Which periods count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pass {
+    /// Those that are clearly whole bits: the bit time is still rough.
+    Rough,
+    /// All of them.
+    All,
 }
 
 /// The range of some values.
@@ -187,11 +218,4 @@ impl Spread {
     fn width(&self) -> u32 {
         self.range.map_or(0, |(low, high)| high.abs_diff(low))
     }
-}
-
-fn gcd(mut a: u32, mut b: u32) -> u32 {
-    while let Some(rest) = a.checked_rem(b) {
-        (a, b) = (b, rest);
-    }
-    a
 }
