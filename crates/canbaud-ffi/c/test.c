@@ -90,8 +90,19 @@ static const char FRAME[] =
     "0010111110010000011111001111000001100000110100010011001111010100000100000101011011111001"
     "100001111101111111111";
 
+static void push(void *detector, uint64_t at)
+{
+    CHECK_OK(canbaud_pulse_detector_push(detector, at));
+}
+
+static void push_compact(void *detector, uint64_t at)
+{
+    CHECK_OK(canbaud_compact_detector_push(detector, at));
+}
+
 /* Feeds the edges of FRAME, acknowledged, to a detector: 20 bits of idle around it. */
-static uint64_t feed(canbaud_pulse_detector *detector, uint64_t start, uint64_t ticks_per_bit)
+static uint64_t feed(void (*edge)(void *, uint64_t), void *detector, uint64_t start,
+                     uint64_t ticks_per_bit)
 {
     char level = '1';
     uint64_t at = start + 20U * ticks_per_bit;
@@ -99,7 +110,7 @@ static uint64_t feed(canbaud_pulse_detector *detector, uint64_t start, uint64_t 
     for (bit = FRAME; *bit != '\0'; bit++) {
         if (*bit != level) {
             level = *bit;
-            CHECK_OK(canbaud_pulse_detector_push(detector, at));
+            edge(detector, at);
         }
         at += ticks_per_bit;
     }
@@ -119,7 +130,7 @@ static void test_pulse_detector(void)
     CHECK(verdict.kind == CANBAUD_VERDICT_KIND_NO_TRAFFIC);
     CHECK(canbaud_pulse_detector_begin(&detector, 0U, 2U) == CANBAUD_STATUS_OUT_OF_RANGE);
     CHECK_OK(canbaud_pulse_detector_begin(&detector, 0U, CANBAUD_LEVEL_HIGH));
-    end = feed(&detector, 0U, 16U);
+    end = feed(push, &detector, 0U, 16U);
     CHECK_OK(canbaud_pulse_detector_finish(&detector, end));
     CHECK_OK(canbaud_pulse_detector_verdict(&detector, &verdict));
     CHECK(verdict.kind == CANBAUD_VERDICT_KIND_FOUND);
@@ -131,6 +142,33 @@ static void test_pulse_detector(void)
     CHECK(canbaud_bit_time_millibits(verdict.nominal, 8000000U, 1U) > 499500000U);
     CHECK(canbaud_bit_time_millibits(verdict.nominal, 8000000U, 1U) < 500500000U);
     CHECK(canbaud_bit_time_millibits(verdict.nominal, 0U, 1U) == 0U);
+}
+
+/* The same edges: one tick a bit is too few, 16 are enough. */
+static void test_compact_detector(void)
+{
+    static canbaud_compact_detector detector;
+    canbaud_verdict verdict;
+    uint64_t end;
+
+    CHECK(canbaud_compact_detector_push(&detector, 1U) == CANBAUD_STATUS_NOT_INITIALIZED);
+    CHECK(canbaud_compact_detector_init(NULL) == CANBAUD_STATUS_NULL_POINTER);
+    CHECK_OK(canbaud_compact_detector_init(&detector));
+    CHECK_OK(canbaud_compact_detector_verdict(&detector, &verdict));
+    CHECK(verdict.kind == CANBAUD_VERDICT_KIND_NO_TRAFFIC);
+    CHECK(canbaud_compact_detector_begin(&detector, 0U, 2U) == CANBAUD_STATUS_OUT_OF_RANGE);
+    CHECK_OK(canbaud_compact_detector_begin(&detector, 0U, CANBAUD_LEVEL_HIGH));
+    end = feed(push_compact, &detector, 0U, 1U);
+    CHECK_OK(canbaud_compact_detector_finish(&detector, end));
+    CHECK_OK(canbaud_compact_detector_verdict(&detector, &verdict));
+    CHECK(verdict.kind == CANBAUD_VERDICT_KIND_NEEDS_CLEAN_FRAME);
+    CHECK_OK(canbaud_compact_detector_begin(&detector, end, CANBAUD_LEVEL_HIGH));
+    end = feed(push_compact, &detector, end, 16U);
+    CHECK_OK(canbaud_compact_detector_finish(&detector, end));
+    CHECK_OK(canbaud_compact_detector_verdict(&detector, &verdict));
+    CHECK(verdict.kind == CANBAUD_VERDICT_KIND_FOUND);
+    CHECK(verdict.proven_frames == 1U && verdict.proof_bits >= 10U);
+    CHECK(canbaud_bit_time_millibits(verdict.nominal, 8000000U, 1U) == 500000000U);
 }
 
 static const canbaud_capabilities CAPABILITIES = {10000U, 1000000U, CANBAUD_EVIDENCE_ERRORS,
@@ -257,6 +295,7 @@ unsigned test_run(void)
     test_bit_timing();
     test_controllers_by_name();
     test_pulse_detector();
+    test_compact_detector();
     test_scan();
     test_scan_candidates();
     test_lss_slave();

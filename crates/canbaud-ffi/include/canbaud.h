@@ -12,6 +12,11 @@
 #include <stdint.h>
 
 /**
+ * Words of a canbaud_compact_detector, of eight bytes each.
+ */
+#define CANBAUD_COMPACT_DETECTOR_WORDS 80
+
+/**
  * Words of a canbaud_lss_slave, of eight bytes each.
  */
 #define CANBAUD_LSS_SLAVE_WORDS 32
@@ -106,49 +111,6 @@ typedef uint8_t canbaud_status;
 #endif // __cplusplus
 
 /**
- * What a slave wants done.
- */
-enum canbaud_lss_action_kind
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint8_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
-  /**
-   * Nothing: sleep until the deadline or until a frame comes.
-   */
-  CANBAUD_LSS_ACTION_KIND_NONE = 0,
-  /**
-   * Send the frame.
-   */
-  CANBAUD_LSS_ACTION_KIND_SEND = 1,
-  /**
-   * Send nothing at all until CANBAUD_LSS_ACTION_KIND_RESUME_SENDING.
-   */
-  CANBAUD_LSS_ACTION_KIND_STOP_SENDING = 2,
-  /**
-   * Set the controller to the bit rate. CANBAUD_BITRATE_AUTOMATIC: listen silently until the bit
-   * rate is found, set the controller to it and call canbaud_lss_slave_rate_found.
-   */
-  CANBAUD_LSS_ACTION_KIND_SWITCH_BIT_RATE = 3,
-  /**
-   * The node may send again.
-   */
-  CANBAUD_LSS_ACTION_KIND_RESUME_SENDING = 4,
-  /**
-   * Enter the NMT state reset communication: call canbaud_lss_slave_reset_communication and boot
-   * up with the node-ID.
-   */
-  CANBAUD_LSS_ACTION_KIND_RESET_COMMUNICATION = 5,
-};
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum canbaud_lss_action_kind canbaud_lss_action_kind;
-#else
-typedef uint8_t canbaud_lss_action_kind;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
-
-/**
  * What a detector says.
  */
 enum canbaud_verdict_kind
@@ -223,6 +185,49 @@ enum canbaud_data_phase
 typedef enum canbaud_data_phase canbaud_data_phase;
 #else
 typedef uint8_t canbaud_data_phase;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What a slave wants done.
+ */
+enum canbaud_lss_action_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint8_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /**
+   * Nothing: sleep until the deadline or until a frame comes.
+   */
+  CANBAUD_LSS_ACTION_KIND_NONE = 0,
+  /**
+   * Send the frame.
+   */
+  CANBAUD_LSS_ACTION_KIND_SEND = 1,
+  /**
+   * Send nothing at all until CANBAUD_LSS_ACTION_KIND_RESUME_SENDING.
+   */
+  CANBAUD_LSS_ACTION_KIND_STOP_SENDING = 2,
+  /**
+   * Set the controller to the bit rate. CANBAUD_BITRATE_AUTOMATIC: listen silently until the bit
+   * rate is found, set the controller to it and call canbaud_lss_slave_rate_found.
+   */
+  CANBAUD_LSS_ACTION_KIND_SWITCH_BIT_RATE = 3,
+  /**
+   * The node may send again.
+   */
+  CANBAUD_LSS_ACTION_KIND_RESUME_SENDING = 4,
+  /**
+   * Enter the NMT state reset communication: call canbaud_lss_slave_reset_communication and boot
+   * up with the node-ID.
+   */
+  CANBAUD_LSS_ACTION_KIND_RESET_COMMUNICATION = 5,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum canbaud_lss_action_kind canbaud_lss_action_kind;
+#else
+typedef uint8_t canbaud_lss_action_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -592,6 +597,70 @@ typedef uint8_t canbaud_scan_policy;
 typedef struct canbaud_controller canbaud_controller;
 
 /**
+ * Finds and proves the bit rate from one classic frame, with three ticks a bit or more, for the
+ * smallest controllers: a fifth of the code and a third of the memory of canbaud_pulse_detector. The
+ * line is RXD: high is recessive. Its content is private. Zeros are storage that is not initialized.
+ */
+typedef struct canbaud_compact_detector {
+  /**
+   * Private.
+   */
+  uint64_t opaque[CANBAUD_COMPACT_DETECTOR_WORDS];
+} canbaud_compact_detector;
+
+/**
+ * A bit time with its uncertainty.
+ */
+typedef struct canbaud_bit_time {
+  /**
+   * Timer ticks per bit, times 2^20.
+   */
+  uint64_t ticks_q20;
+  /**
+   * One standard deviation in 10^-9.
+   */
+  uint32_t uncertainty_ppb;
+} canbaud_bit_time;
+
+/**
+ * A verdict. What the kind does not speak of is 0.
+ */
+typedef struct canbaud_verdict {
+  /**
+   * What the detector says.
+   */
+  canbaud_verdict_kind kind;
+  /**
+   * Bit time of the arbitration phase.
+   */
+  struct canbaud_bit_time nominal;
+  /**
+   * What is known about the data phase.
+   */
+  canbaud_data_phase data_phase;
+  /**
+   * Bit time of the data phase.
+   */
+  struct canbaud_bit_time data;
+  /**
+   * The second bit time of a conflict.
+   */
+  struct canbaud_bit_time other;
+  /**
+   * Frames whose CRC and form were right at this rate.
+   */
+  uint32_t proven_frames;
+  /**
+   * The probability that the rate is wrong is at most 2 to the power of minus this.
+   */
+  uint32_t proof_bits;
+  /**
+   * 1 if the line is inverted: high is dominant.
+   */
+  uint8_t inverted;
+} canbaud_verdict;
+
+/**
  * The LSS slave of a CANopen device [CiA 305]. Times are microseconds of a clock of the caller that
  * never goes back. Its content is private. Zeros are storage that is not initialized.
  */
@@ -705,58 +774,6 @@ typedef struct canbaud_pulse_detector {
    */
   uint64_t opaque[CANBAUD_PULSE_DETECTOR_WORDS];
 } canbaud_pulse_detector;
-
-/**
- * A bit time with its uncertainty.
- */
-typedef struct canbaud_bit_time {
-  /**
-   * Timer ticks per bit, times 2^20.
-   */
-  uint64_t ticks_q20;
-  /**
-   * One standard deviation in 10^-9.
-   */
-  uint32_t uncertainty_ppb;
-} canbaud_bit_time;
-
-/**
- * A verdict. What the kind does not speak of is 0.
- */
-typedef struct canbaud_verdict {
-  /**
-   * What the detector says.
-   */
-  canbaud_verdict_kind kind;
-  /**
-   * Bit time of the arbitration phase.
-   */
-  struct canbaud_bit_time nominal;
-  /**
-   * What is known about the data phase.
-   */
-  canbaud_data_phase data_phase;
-  /**
-   * Bit time of the data phase.
-   */
-  struct canbaud_bit_time data;
-  /**
-   * The second bit time of a conflict.
-   */
-  struct canbaud_bit_time other;
-  /**
-   * Frames whose CRC and form were right at this rate.
-   */
-  uint32_t proven_frames;
-  /**
-   * The probability that the rate is wrong is at most 2 to the power of minus this.
-   */
-  uint32_t proof_bits;
-  /**
-   * 1 if the line is inverted: high is dominant.
-   */
-  uint8_t inverted;
-} canbaud_verdict;
 
 /**
  * The scan machine: told what was heard, says what to do next. It does no I/O and has no clock:
@@ -996,6 +1013,55 @@ typedef struct canbaud_register_word {
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
+
+/**
+ * Sets up a detector before its first edge.
+ *
+ * # Safety
+ * `detector` must be valid or NULL.
+ */
+canbaud_status canbaud_compact_detector_init(struct canbaud_compact_detector *detector);
+
+/**
+ * Unbroken recording begins at tick `at` with the line at `level`, a canbaud_level; also after a
+ * pause or a lost edge.
+ *
+ * # Safety
+ * `detector` must be valid or NULL, and nothing else may use it meanwhile.
+ */
+canbaud_status canbaud_compact_detector_begin(struct canbaud_compact_detector *detector,
+                                              uint64_t at,
+                                              uint8_t level);
+
+/**
+ * An edge at tick `at`, later than the one before; the level toggles.
+ *
+ * Mostly some hundred instructions; the edge that ends the gap behind a frame pays for the proof.
+ *
+ * # Safety
+ * `detector` must be valid or NULL, and nothing else may use it meanwhile.
+ */
+canbaud_status canbaud_compact_detector_push(struct canbaud_compact_detector *detector,
+                                             uint64_t at);
+
+/**
+ * The line has not changed from the last edge to tick `at`, and the recording ends or pauses:
+ * canbaud_compact_detector_begin comes before the next edge.
+ *
+ * # Safety
+ * `detector` must be valid or NULL, and nothing else may use it meanwhile.
+ */
+canbaud_status canbaud_compact_detector_finish(struct canbaud_compact_detector *detector,
+                                               uint64_t at);
+
+/**
+ * What is known so far. Once a rate is found, further edges do not change it.
+ *
+ * # Safety
+ * `detector` and `verdict` must be valid or NULL.
+ */
+canbaud_status canbaud_compact_detector_verdict(struct canbaud_compact_detector *detector,
+                                                struct canbaud_verdict *verdict);
 
 /**
  * The controller with this name or alias ("bxcan", "FDCAN", "mcp2515"); upper and lower case, `-`

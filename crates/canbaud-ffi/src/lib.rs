@@ -7,6 +7,7 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 #![allow(non_camel_case_types, reason = "the names are those of the C API")]
 
+mod compact;
 mod controllers;
 mod frame;
 mod lss;
@@ -16,6 +17,7 @@ mod status;
 mod storage;
 mod timing;
 
+pub use compact::*;
 pub use controllers::*;
 pub use frame::*;
 pub use lss::*;

@@ -123,11 +123,7 @@ pub unsafe extern "C" fn canbaud_pulse_detector_begin(
     level: u8,
 ) -> canbaud_status {
     status_of(|| {
-        let level = match level {
-            0 => Logic::Low,
-            1 => Logic::High,
-            _ => return Err(canbaud_status::OUT_OF_RANGE),
-        };
+        let level = level_from_c(level)?;
         // SAFETY: as the caller says.
         unsafe { of(detector) }?.begin(at, level);
         Ok(())
@@ -208,11 +204,19 @@ unsafe fn of<'a>(
     unsafe { storage::get::<Detector, CANBAUD_PULSE_DETECTOR_WORDS>(detector.cast()) }
 }
 
+pub(crate) fn level_from_c(level: u8) -> Result<Logic, canbaud_status> {
+    match level {
+        0 => Ok(Logic::Low),
+        1 => Ok(Logic::High),
+        _ => Err(canbaud_status::OUT_OF_RANGE),
+    }
+}
+
 fn bit(bit: BitTime) -> canbaud_bit_time {
     canbaud_bit_time { ticks_q20: bit.ticks_q20, uncertainty_ppb: bit.uncertainty_ppb }
 }
 
-fn to_c(verdict: &Verdict) -> canbaud_verdict {
+pub(crate) fn to_c(verdict: &Verdict) -> canbaud_verdict {
     let mut said = canbaud_verdict {
         kind: canbaud_verdict_kind::NO_TRAFFIC,
         nominal: canbaud_bit_time::default(),

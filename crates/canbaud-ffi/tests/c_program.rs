@@ -75,3 +75,40 @@ fn c_examples_compile() {
         assert!(ok, "{said}");
     }
 }
+
+/// What `README.md` tells: installed into a prefix, found by pkg-config, linked both ways.
+#[test]
+fn installed_library_links_shared_and_static() {
+    if !["cc", "pkg-config"].iter().all(|program| run(program, &["--version"]).is_some()) {
+        eprintln!("there is no C compiler or no pkg-config: the installation was not tried");
+        return;
+    }
+    let target = library().parent().and_then(Path::parent).expect("target").to_path_buf();
+    let prefix = target.join("ffi-prefix");
+    let _ = std::fs::remove_dir_all(&prefix);
+    let script = format!(
+        "set -e
+         export CARGO_TARGET_DIR={target} CANBAUD_PROFILE=dev
+         ./install {prefix}
+         export PKG_CONFIG_PATH={prefix}/lib/pkgconfig
+         cd {prefix}
+         here={here}
+         [ \"$(pkg-config --modversion canbaud)\" = {version} ]
+         flags=\"{flags}\"
+         cc $flags $(pkg-config --cflags canbaud) $here/c/test.c $here/c/host.c \\
+             $(pkg-config --libs canbaud) -o shared
+         cc $flags $(pkg-config --cflags canbaud) $here/c/test.c $here/c/host.c \\
+             -Wl,-Bstatic $(pkg-config --libs canbaud) -Wl,-Bdynamic \\
+             $(pkg-config --static --libs-only-l canbaud | sed s/-lcanbaud_ffi//) -o static
+         LD_LIBRARY_PATH={prefix}/lib ./shared
+         rm lib/libcanbaud_ffi.so
+         ./static",
+        target = target.display(),
+        prefix = prefix.display(),
+        here = env!("CARGO_MANIFEST_DIR"),
+        version = env!("CARGO_PKG_VERSION"),
+        flags = FLAGS[..6].join(" "),
+    );
+    let (ok, said) = run("bash", &["-c", &script]).expect("bash runs");
+    assert!(ok && said.matches("the C API holds").count() == 2, "{said}");
+}

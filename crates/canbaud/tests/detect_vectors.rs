@@ -1,6 +1,6 @@
 //! The edge detector on the recordings in `vectors/detect`, which an independent reference made.
 
-use canbaud::detect::{BitTime, DataPhase, PulseDetector, Verdict};
+use canbaud::detect::{BitTime, CompactDetector, DataPhase, PulseDetector, Verdict};
 use canbaud::units::{Hertz, Timebase};
 use canbaud::wire::{Logic, Polarity};
 use serde::Deserialize;
@@ -105,4 +105,29 @@ fn detector_agrees_with_every_recording() {
     wrong.sort();
     assert!(wrong.is_empty(), "{} of {count} differ:\n{}", wrong.len(), wrong.join("\n"));
     assert!(count >= 40, "only {count} recordings in {}", folder.display());
+}
+
+/// The compact detector finds less, and nothing else.
+#[test]
+fn compact_detector_contradicts_no_recording() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../vectors/detect");
+    let mut found = 0;
+    for entry in fs::read_dir(&folder).expect("the vectors are part of the project") {
+        let path = entry.expect("a readable folder").path();
+        let text = fs::read_to_string(&path).expect("a readable vector file");
+        let recording: Recording = toml::from_str(&text).expect("a recording");
+        let mut detector = CompactDetector::<128>::new();
+        detector.begin(0, if recording.initial == "high" { Logic::High } else { Logic::Low });
+        recording.edges.iter().for_each(|edge| detector.push(*edge));
+        detector.finish(recording.end);
+        if let Verdict::Found(verdict) = detector.verdict() {
+            found += 1;
+            let expect = &recording.expect;
+            // Of two rates on one line it names the first that it proves.
+            let right = recording.within(verdict.nominal, expect.nominal_millibits_per_second)
+                || expect.verdict == "conflict";
+            assert!(right, "{}: {verdict:?}, expected {expect:?}", path.display());
+        }
+    }
+    assert!(found >= 15, "{found} recordings only");
 }

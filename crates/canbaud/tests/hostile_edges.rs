@@ -2,7 +2,7 @@
 //!
 //! Overflow checks are on in tests, so a wrapped sum is a failure here.
 
-use canbaud::detect::{PulseDetector, find_data_rate};
+use canbaud::detect::{CompactDetector, PulseDetector, find_data_rate};
 use canbaud::wire::{
     BusTiming, DataRateWanted, DataTiming, Decoded, Decoder, FdCrc, Level, Listener, Logic,
 };
@@ -74,20 +74,28 @@ fn detector_survives_any_edges() {
     for seed in 1..3000 {
         let mut random = Prng(0x9E37_79B9_7F4A_7C15_u64.wrapping_mul(seed));
         let (mut small, mut large) = (PulseDetector::<9>::new(), PulseDetector::<200>::new());
+        let (mut least, mut compact) = (CompactDetector::<1>::new(), CompactDetector::<128>::new());
         for _ in 0..1 + random.below(3) {
             let level = if random.below(2) == 0 { Logic::High } else { Logic::Low };
             let at = random.next() >> random.below(64);
             small.begin(at, level);
             large.begin(at, level);
+            least.begin(at, level);
+            compact.begin(at, level);
             for at in edges(&mut random) {
                 small.push(at);
                 large.push(at);
+                least.push(at);
+                compact.push(at);
             }
             let end = random.next() >> random.below(64);
             small.finish(end);
             large.finish(end);
+            least.finish(end);
+            compact.finish(end);
         }
         let _ = (small.verdict(), large.verdict(), large.bus_timing());
+        let _ = (least.verdict(), compact.verdict());
     }
 }
 

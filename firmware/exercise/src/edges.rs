@@ -1,8 +1,9 @@
-//! Edges: both detectors, decoder, encoder.
+//! Edges: all detectors, decoder, encoder.
 
 use crate::{Sink, Source};
 use canbaud::detect::{
-    BitTime, DataPhase, Measurement, MinimumPulse, PulseDetector, Verdict, find_data_rate,
+    BitTime, CompactDetector, DataPhase, Measurement, MinimumPulse, PulseDetector, Verdict,
+    find_data_rate,
 };
 use canbaud::units::{Hertz, Ticks, Timebase};
 use canbaud::wire::{
@@ -12,15 +13,19 @@ use canbaud::wire::{
 pub(crate) fn exercise(source: &mut Source<'_>, sink: &mut Sink) {
     let mut detector = PulseDetector::<160>::new();
     detector.begin(0, if source.byte() & 1 == 1 { Logic::High } else { Logic::Low });
+    let mut compact = CompactDetector::<128>::new();
+    compact.begin(0, if source.byte() & 1 == 1 { Logic::High } else { Logic::Low });
     let mut minimum = MinimumPulse::new();
     let mut at = 0;
     for _ in 0..source.word() & 0xFFFF {
         let run = source.word();
         at += u64::from(run);
         detector.push(at);
+        compact.push(at);
         minimum.push(run);
     }
     detector.finish(at + u64::from(source.word()));
+    compact.finish(at + u64::from(source.word()));
     sink.take(minimum.shortest().unwrap_or(0));
     let timer = Timebase::from_frequency(source.clock());
     let timer = Timebase::new(u64::from(source.word()), u64::from(source.word())).unwrap_or(timer);
@@ -30,6 +35,9 @@ pub(crate) fn exercise(source: &mut Source<'_>, sink: &mut Sink) {
         let known = canbaud::rates::nearest(canbaud::rates::nominal(), rate, bit.uncertainty_ppb);
         sink.take_long(known.map_or(rate, |known| known.millibits_per_second()));
     };
+    if let Verdict::Found(found) = compact.verdict() {
+        bit(found.nominal);
+    }
     match detector.verdict() {
         Verdict::Found(found) => {
             bit(found.nominal);

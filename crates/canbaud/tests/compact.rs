@@ -1,0 +1,113 @@
+//! The compact detector on random recordings with their truth.
+
+mod support;
+
+use canbaud::detect::{CompactDetector, Verdict};
+use canbaud::wire::{Logic, Polarity};
+use support::judge::{Judgement, TOLERANCE_PPM, Truth, judge};
+use support::trial::{Resolution, Scene, Trial};
+
+const SEED: u64 = 29;
+
+/// Plays the recording into a detector as RXD sees it: high is recessive.
+fn detect(trial: &Trial) -> Verdict {
+    let recording = trial.record();
+    let mut detector = CompactDetector::<128>::new();
+    let initial = match trial.polarity {
+        Polarity::Normal => recording.initial,
+        Polarity::Inverted => recording.initial.toggled(),
+    };
+    detector.begin(recording.begin, initial);
+    for edge in &recording.edges {
+        detector.push(edge.at);
+    }
+    detector.finish(recording.finish);
+    detector.verdict()
+}
+
+/// How many of `count` trials are right, in thousandths; one that is wrong is a failure.
+fn right_permille(scene: Scene, resolution: Resolution, count: u64) -> u64 {
+    let mut right = 0;
+    for number in 0..count {
+        let trial = Trial::draw(SEED, number, scene, resolution);
+        let truth = match trial.truth() {
+            Truth::Bus { nominal, data, .. } => {
+                Truth::Bus { nominal, data, polarity: Polarity::Normal }
+            }
+            Truth::Foreign => Truth::Foreign,
+        };
+        match judge(&truth, &detect(&trial), TOLERANCE_PPM) {
+            Judgement::Right { .. } => right += 1,
+            Judgement::Undecided(_) | Judgement::Rejected => {}
+            Judgement::Wrong(what) => {
+                panic!("{what}: seed {SEED} trial {number} {resolution:?}: {trial:?}")
+            }
+        }
+    }
+    right * 1000 / count
+}
+
+#[test]
+fn no_recording_leads_to_a_wrong_rate() {
+    for scene in Scene::ALL {
+        for ticks in [1.7, 2.4, 3.2, 4.0, 5.5, 8.0, 16.0, 144.0] {
+            right_permille(scene, Resolution::TicksPerBit(ticks), 300);
+        }
+        right_permille(scene, Resolution::UsualTimers, 1000);
+    }
+}
+
+#[test]
+fn one_frame_is_enough_from_eight_ticks_a_bit_on() {
+    for ticks in [8.0, 16.0, 72.0, 1000.0] {
+        for scene in [Scene::Clean, Scene::Asymmetry, Scene::Jitter, Scene::Cut] {
+            let right = right_permille(scene, Resolution::TicksPerBit(ticks), 400);
+            assert!(right >= 980, "{scene:?} at {ticks} ticks a bit: {right} of 1000");
+        }
+    }
+    let right = right_permille(Scene::Clean, Resolution::TicksPerBit(4.0), 400);
+    assert!(right >= 850, "at 4 ticks a bit: {right} of 1000");
+}
+
+#[test]
+fn one_sender_without_acknowledge_is_enough() {
+    let right = right_permille(Scene::Unacknowledged, Resolution::TicksPerBit(8.0), 400);
+    assert!(right >= 980, "{right} of 1000");
+}
+
+/// The second try of a destroyed frame stands close behind the first.
+#[test]
+fn frames_behind_an_error_frame_are_found() {
+    let right = right_permille(Scene::ErrorFlag, Resolution::TicksPerBit(16.0), 400);
+    assert!(right >= 350, "{right} of 1000");
+}
+
+#[test]
+fn first_frame_decides_and_later_edges_change_nothing() {
+    let trial = Trial::draw(SEED, 1, Scene::Clean, Resolution::TicksPerBit(16.0));
+    let recording = trial.record();
+    let mut detector = CompactDetector::<128>::new();
+    detector.begin(0, Logic::High);
+    let begin = recording.edges[0].at - 400;
+    for edge in &recording.edges {
+        detector.push(edge.at - begin);
+    }
+    let end = recording.edges.last().expect("edges").at - begin;
+    assert!(matches!(detector.verdict(), Verdict::Undecided(_)), "the gap behind is not known");
+    // The next edge, 500 ticks or 31 bits later.
+    detector.push(end + 500);
+    let found = detector.verdict();
+    assert!(matches!(found, Verdict::Found(_)), "{found:?}");
+    // The same frame at a tenth of the rate.
+    for edge in &recording.edges {
+        detector.push(end + 500 + 10 * (edge.at - begin));
+    }
+    detector.finish(end + 1_000_000);
+    assert_eq!(detector.verdict(), found);
+}
+
+#[test]
+fn memory_is_below_a_kibibyte() {
+    let bytes = size_of::<CompactDetector>();
+    assert!(bytes <= 640, "{bytes} bytes");
+}
