@@ -59,6 +59,10 @@ fn a_dry_run_shows_the_frames() {
         dry(&["activate", "--delay", "1s", "--to", "500k"]),
         [enter, "7E5#15E8030000000000", leave]
     );
+    let table = ["set-bitrate", "--table", "128", "--index", "3"];
+    assert_eq!(dry(&table), [leave, enter, "7E5#1380030000000000", leave]);
+    let table = ["set-bitrate", "--table", "255", "--index", "255", "--store"];
+    assert_eq!(dry(&table), [leave, enter, "7E5#13FFFF0000000000", "7E5#1700000000000000", leave]);
     let reserved = dry(&["set-bitrate", "index:5"]);
     assert_eq!(reserved, [leave, enter, "7E5#1300050000000000", leave]);
 }
@@ -74,6 +78,14 @@ fn a_wrong_command_line_says_what_is_allowed() {
             "stands for no bit rate to go along to",
         ),
         (&["inquire", "--transmit", "--dry-run"], "cannot be used with"),
+        (&["set-bitrate"], "required arguments were not provided"),
+        (&["set-bitrate", "--table", "127", "--index", "1"], "128..=255"),
+        (&["set-bitrate", "--table", "128"], "--index <M>"),
+        (&["set-bitrate", "500k", "--table", "128", "--index", "1"], "cannot be used with"),
+        (
+            &["set-bitrate", "--table", "128", "--index", "1", "--activate", "100"],
+            "index 1 of table 128 stands for no bit rate to go along to",
+        ),
     ] {
         let dry = if words.contains(&"--dry-run") { "--json" } else { "--dry-run" };
         let output = canbaud(&[&["lss"], words, &["--on", "can7", dry]].concat());
@@ -182,6 +194,9 @@ lss = { vendor_id = 0x29C, product_code = 1, revision_number = 0x10002, serial_n
         assert_eq!(code, 0, "{err}");
         assert_eq!(numbers(&out)["node_id"], 10);
         let (code, _, err) = bus.lss("250k", &["set-bitrate", "auto", "--address", VALVE]);
+        assert_eq!((code, err.contains("bit timing not supported (error 1)")), (3, true), "{err}");
+        let table = ["set-bitrate", "--table", "128", "--index", "0", "--address", VALVE];
+        let (code, _, err) = bus.lss("250k", &table);
         assert_eq!((code, err.contains("bit timing not supported (error 1)")), (3, true), "{err}");
         // Three have the same command to answer.
         let (code, _, err) = bus.lss("250k", &["inquire"]);

@@ -33,5 +33,8 @@ pub use node_id::NodeId;
 pub use rate::{RateSet, RateSetting, TABLE, TableRow};
 pub use request::{Bound, LssState, Request};
 pub use response::{Outcome, Response};
-pub use slave::{Automatic, Configuration, Slave, SlaveAction, SlaveOptions, Storage, StoreError};
+pub use slave::{
+    Automatic, Configuration, NoTables, Slave, SlaveAction, SlaveOptions, Storage, StoreError,
+    TableEntry, Tables,
+};
 pub use wire::{MASTER_COB_ID, SLAVE_COB_ID};

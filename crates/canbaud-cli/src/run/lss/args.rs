@@ -190,8 +190,21 @@ pub(crate) struct SetNodeIdArgs {
 #[derive(Debug, Args)]
 pub(crate) struct SetBitrateArgs {
     /// 1M, 800k, 500k, 250k, 125k, 50k, 20k, 10k, auto, or an index of the table as it is: index:5
-    #[arg(value_name = "RATE", value_parser = table_index)]
-    pub(crate) rate: TableIndex,
+    #[arg(value_name = "RATE", value_parser = table_index, required_unless_present = "table")]
+    pub(crate) rate: Option<TableIndex>,
+
+    /// A bit timing table of the manufacturer instead of that of CiA
+    #[arg(long, value_name = "N", requires = "index", conflicts_with = "rate",
+          value_parser = clap::value_parser!(u8).range(128..=255))]
+    pub(crate) table: Option<u8>,
+
+    /// The index in that table
+    #[arg(long, value_name = "M", requires = "table")]
+    pub(crate) index: Option<u8>,
+
+    /// The bit rate that it stands for, for the own channel to go along to with --activate
+    #[arg(long, value_name = "RATE", requires = "table")]
+    pub(crate) to: Option<Bitrate>,
 
     /// Let the device keep it
     #[arg(long)]

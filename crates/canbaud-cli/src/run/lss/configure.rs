@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 use canbaud::lss::{LssAddress, RateSetting, Service, ServiceError};
+use canbaud::units::Bitrate;
 use canbaud_link::lss::Activated;
 use serde_json::json;
 
@@ -71,23 +72,19 @@ pub(super) fn store(args: &StoreArgs, session: &mut Session) -> Result<(), Troub
 
 /// `set-bitrate`.
 pub(super) fn set_bitrate(args: &SetBitrateArgs, session: &mut Session) -> Result<(), Trouble> {
-    let TableIndex(table_index) = args.rate;
-    let setting = RateSetting::from_index(table_index);
-    if args.activate.is_some() && setting.is_none() {
-        let what = format!("index {table_index} stands for no bit rate to go along to");
+    let Timing { table_selector, table_index, own, shown, goes_along } = timing(args);
+    if args.activate.is_some() && !goes_along {
+        let what = format!("{shown} stands for no bit rate to go along to");
         return Err(Trouble::Usage(what));
     }
     session.select(&args.device)?;
-    let service = Service::ConfigureBitTiming { table_selector: 0, table_index };
+    let service = Service::ConfigureBitTiming { table_selector, table_index };
     if let Err(trouble) = configure(session, service, args.store) {
         session.release()?;
         return Err(trouble);
     }
-    let shown = setting.map_or_else(|| format!("index {table_index}"), |rate| rate.to_string());
     session.say(&format!("bit rate {shown} is set{}", kept(args.store)));
     let Some(delay) = args.activate else { return session.release() };
-    // Without a fixed bit rate the own channel stays where the device will find it.
-    let own = setting.and_then(RateSetting::bitrate);
     let activated = session.activate(delay, own)?;
     warn(session, activated);
     let back = wait_until_back(session, BACK);
@@ -99,6 +96,36 @@ pub(super) fn set_bitrate(args: &SetBitrateArgs, session: &mut Session) -> Resul
     }
     session.say(&format!("activated; the device answers after {:.1} s", after.as_secs_f64()));
     Ok(())
+}
+
+/// What `set-bitrate` sets.
+struct Timing {
+    table_selector: u8,
+    table_index: u8,
+    /// Where the own channel goes along to; without a fixed bit rate it stays where the device will
+    /// find it.
+    own: Option<Bitrate>,
+    /// For people.
+    shown: String,
+    /// Whether it is known what the own channel has to do.
+    goes_along: bool,
+}
+
+fn timing(args: &SetBitrateArgs) -> Timing {
+    if let (Some(table_selector), Some(table_index)) = (args.table, args.index) {
+        let shown = format!("index {table_index} of table {table_selector}");
+        let (own, goes_along) = (args.to, args.to.is_some());
+        return Timing { table_selector, table_index, own, shown, goes_along };
+    }
+    let table_index = args.rate.map_or(0, |TableIndex(index)| index);
+    let setting = RateSetting::from_index(table_index);
+    Timing {
+        table_selector: 0,
+        table_index,
+        own: setting.and_then(RateSetting::bitrate),
+        shown: setting.map_or_else(|| format!("index {table_index}"), |rate| rate.to_string()),
+        goes_along: setting.is_some(),
+    }
 }
 
 /// `auto`.

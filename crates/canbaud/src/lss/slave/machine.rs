@@ -4,6 +4,7 @@ use super::action::SlaveAction;
 use super::activation::{Activation, Step};
 use super::options::{Automatic, Configuration, SlaveOptions, Storage, StoreError};
 use super::selection::{Progress, Sequence};
+use super::tables::{NoTables, Tables};
 use crate::lss::{LssAddress, LssState, NodeId, Outcome, Part, RateSetting, Request, Response};
 use crate::units::Micros;
 use crate::wire::Frame;
@@ -45,8 +46,10 @@ use crate::wire::Frame;
 /// assert_eq!(slave.poll(now), Some(SlaveAction::Send(answer)));
 /// ```
 #[derive(Debug, Clone)]
-pub struct Slave {
+pub struct Slave<T = NoTables> {
     options: SlaveOptions,
+    /// The manufacturer's.
+    tables: T,
     state: LssState,
     active: Configuration,
     pending: Configuration,
@@ -62,8 +65,18 @@ impl Slave {
     /// A slave in waiting, at power-on: what is `stored` is active and pending.
     #[must_use]
     pub const fn new(options: SlaveOptions, stored: Configuration) -> Self {
+        Self::with_tables(options, stored, NoTables)
+    }
+}
+
+impl<T: Tables> Slave<T> {
+    /// The same with bit timing tables of the manufacturer. What they name the device can be set to,
+    /// beside `options.rates`; automatic detection only if `options.automatic` offers it.
+    #[must_use]
+    pub const fn with_tables(options: SlaveOptions, stored: Configuration, tables: T) -> Self {
         Self {
             options,
+            tables,
             state: LssState::Waiting,
             active: stored,
             pending: stored,
@@ -275,21 +288,27 @@ impl Slave {
     }
 
     fn configure_bit_timing(&mut self, table_selector: u8, table_index: u8) -> Outcome {
-        let setting = if table_selector == 0 { RateSetting::from_index(table_index) } else { None };
+        let setting = match table_selector {
+            0 => RateSetting::from_index(table_index).filter(|setting| self.has(*setting)),
+            // Reserved.
+            1..=127 => None,
+            128..=255 => self.tables.setting(table_selector, table_index),
+        };
         match setting {
-            Some(setting) if self.can(setting) => {
+            Some(RateSetting::Automatic) if self.options.automatic == Automatic::Refused => {
+                Outcome::REFUSED
+            }
+            Some(setting) => {
                 self.pending.rate = setting;
                 Outcome::SUCCESS
             }
-            _ => Outcome::REFUSED,
+            None => Outcome::REFUSED,
         }
     }
 
-    fn can(&self, setting: RateSetting) -> bool {
-        match setting {
-            RateSetting::Fixed(rate) => self.options.rates.has(rate),
-            RateSetting::Automatic => self.options.automatic == Automatic::Offered,
-        }
+    /// Whether the device can be set to a fixed rate of table 0.
+    fn has(&self, setting: RateSetting) -> bool {
+        setting.bitrate().is_none_or(|rate| self.options.rates.has(rate))
     }
 
     const fn is_unconfigured(&self) -> bool {
