@@ -83,7 +83,7 @@ fn a_wrong_command_line_says_what_is_allowed() {
         (&["set-bitrate", "--table", "128"], "--index <M>"),
         (&["set-bitrate", "500k", "--table", "128", "--index", "1"], "cannot be used with"),
         (
-            &["set-bitrate", "--table", "128", "--index", "1", "--activate", "100"],
+            &["set-bitrate", "--table", "128", "--index", "1", "--activate", "100ms"],
             "index 1 of table 128 stands for no bit rate to go along to",
         ),
     ] {

@@ -169,7 +169,7 @@ lss = { vendor_id = 0x29C, product_code = 1, revision_number = 1, serial_number 
         let words = [&["set-bitrate", "500k", "--store"][..], &MANAGER].concat();
         let (code, _, err) = plant.lss("250k", &words);
         assert_eq!(code, 0, "{err}");
-        let (code, _, err) = plant.lss("250k", &["activate", "--delay", "1000", "--to", "500k"]);
+        let (code, _, err) = plant.lss("250k", &["activate", "--delay", "1s", "--to", "500k"]);
         assert_eq!(code, 0, "{err}");
         for name in ["manager", "drive", "valve", "new"] {
             let at = plant.wait_for(&format!("{name}: takes part at 500kbit/s"), at);
@@ -184,7 +184,7 @@ lss = { vendor_id = 0x29C, product_code = 1, revision_number = 1, serial_number 
         // One device detects anew, by index 9.
         let at = plant.log().len();
         let (code, out, err) =
-            plant.lss("500k", &[&["auto", "--delay", "1000", "--store"][..], &DRIVE].concat());
+            plant.lss("500k", &[&["auto", "--delay", "1s", "--store"][..], &DRIVE].concat());
         assert_eq!((code, out.contains("found the bit rate after")), (0, true), "{out}{err}");
         let at = plant.wait_for("drive: LSS: switches to automatic", at);
         let at = plant.wait_for("drive: detects: listens, drives nothing", at);
@@ -243,10 +243,10 @@ trap 'kill $plant' EXIT
 until grep -q 'drive: operational' told; do kill -0 $plant || exit 1; sleep 0.02; done
 line='--on udp:239.74.163.2:43113 --transmit'
 "$0" lss set-bitrate 500k --address 29C:1:1:1 $line || exit 2
-"$0" lss activate --delay 1000 $line || exit 3
+"$0" lss activate --delay 1s $line || exit 3
 "$0" lss inquire --address 29C:1:1:1 $line || exit 4
 until grep -q 'drive: takes part at 500kbit/s' told; do kill -0 $plant || exit 5; sleep 0.02; done
-"$0" lss auto --address 29C:1:1:2 --delay 1000 $line || exit 6
+"$0" lss auto --address 29C:1:1:2 --delay 1s $line || exit 6
 "#;
 
     /// In a network namespace of its own, where the loopback carries multicast.
