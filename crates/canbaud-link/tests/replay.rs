@@ -59,5 +59,5 @@ fn a_file_that_is_none_and_a_channel_that_is_not_there_are_errors() {
     );
     assert_eq!(error.kind(), ErrorKind::Unreadable);
     let error = open("demo-classic-83k3.csv", Some("nope")).unwrap_err().to_string();
-    assert!(error.ends_with("there is no channel of that name"), "{error}");
+    assert!(error.ends_with("no channel \"nope\"; there are CAN"), "{error}");
 }
