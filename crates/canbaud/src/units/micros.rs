@@ -37,13 +37,16 @@ impl Micros {
     }
 
     /// How long `bits` last at `bitrate`, rounded up.
+    // One copy: there is no 64-bit division in a microcontroller.
+    #[inline(never)]
     #[must_use]
     pub const fn of_bits(bits: u64, bitrate: Bitrate) -> Self {
         let rate = bitrate.bits_per_second() as u64;
-        Self(bits.saturating_mul(1_000_000).div_ceil(rate))
+        Self(bits.saturating_mul(1_000_000).saturating_add(rate - 1) / rate)
     }
 
     /// `times` of these one after another.
+    #[inline(never)]
     #[must_use]
     pub const fn times(self, times: u64) -> Self {
         Self(self.0.saturating_mul(times))
@@ -53,6 +56,7 @@ impl Micros {
 impl Add for Micros {
     type Output = Self;
 
+    #[inline(never)]
     fn add(self, span: Self) -> Self {
         Self(self.0.saturating_add(span.0))
     }
@@ -61,6 +65,7 @@ impl Add for Micros {
 impl Sub for Micros {
     type Output = Self;
 
+    #[inline(never)]
     fn sub(self, earlier: Self) -> Self {
         Self(self.0.saturating_sub(earlier.0))
     }

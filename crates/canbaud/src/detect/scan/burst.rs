@@ -57,6 +57,7 @@ impl Burst {
 
     /// Whether the times are those of the errors: a receiver at `rate` cannot tell two within 7 of
     /// its bits. Where they can be nearer, observations were told in a batch.
+    #[inline(never)]
     pub(super) fn is_faithful(&self, rate: Bitrate) -> bool {
         self.closest + Micros(1) >= Micros::of_bits(7, rate)
     }

@@ -5,6 +5,7 @@ use super::track::BIT;
 use crate::units::{Bitrate, Micros, Permille};
 
 /// Binary logarithm in sixteenths; 0 for 0.
+#[inline(never)]
 pub(super) const fn log2(value: u64) -> i32 {
     if value == 0 {
         return 0;
@@ -71,6 +72,7 @@ fn too_slow(burst: &Burst, listened_at: Bitrate) -> i32 {
 }
 
 /// A span in bits of the bus, as a logarithm.
+#[inline(never)]
 fn bits_of(span: Micros, bus: u32) -> i32 {
     log2(span.0.saturating_mul(u64::from(bus)).saturating_mul(16) / 1_000_000) - 4 * BIT
 }

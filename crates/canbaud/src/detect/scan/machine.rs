@@ -278,6 +278,7 @@ impl<const N: usize> Scan<N> {
         self.tracks.iter().take(count).any(|track| !track.refused)
     }
 
+    #[inline(never)]
     fn end(&mut self, outcome: Outcome) {
         self.outcome = Some(outcome);
         self.state = State::Done { told: false };
@@ -320,6 +321,7 @@ impl<const N: usize> Scan<N> {
         self.go_on(now);
     }
 
+    #[inline(never)]
     fn finish_step(&mut self, step: &Step, now: Micros) {
         if let Some(track) = self.tracks.get_mut(step.at) {
             track.listened = track.listened + (now - step.since);

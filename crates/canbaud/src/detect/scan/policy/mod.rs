@@ -6,8 +6,9 @@ mod survey;
 mod weighing;
 
 use super::machine::{Scan, Step};
+use super::track::Track;
 use super::{ErrorClass, ErrorPlace, Policy, bounds};
-use crate::units::Micros;
+use crate::units::{Bitrate, Micros};
 
 /// What to do with the present step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,6 +101,7 @@ impl<const N: usize> Scan<N> {
     }
 
     /// How long a step may listen at most while nothing is heard.
+    #[inline(never)]
     fn longest_step(&self, step: &Step) -> Micros {
         let own = self.candidates.as_slice().get(step.at);
         own.map_or(Micros(0), |own| bounds::patience(own, &self.settings))
@@ -112,8 +114,31 @@ impl<const N: usize> Scan<N> {
 
     /// The places of the candidates that may be the rate and that the controller has not refused.
     pub(super) fn usable(&self) -> impl Iterator<Item = usize> {
-        let count = self.candidates.as_slice().len();
-        let tracks = self.tracks.iter().take(count).enumerate();
-        tracks.filter(|(_, track)| !track.refused && !track.ruled_out).map(|(at, _)| at)
+        (0..N).filter(|at| self.is_usable(*at))
+    }
+
+    // Of these there is one copy each: policies go over the candidates in twenty places.
+
+    #[inline(never)]
+    fn is_usable(&self, at: usize) -> bool {
+        let usable = |track: &Track| !track.refused && !track.ruled_out;
+        at < self.candidates.as_slice().len() && self.tracks.get(at).is_some_and(usable)
+    }
+
+    /// How likely a candidate is, as a logarithm.
+    #[inline(never)]
+    fn standing(&self, at: usize) -> i32 {
+        self.tracks.get(at).map_or(i32::MIN, Track::standing)
+    }
+
+    /// The standing of the likeliest.
+    #[inline(never)]
+    fn best_standing(&self) -> Option<i32> {
+        self.usable().map(|at| self.standing(at)).max()
+    }
+
+    #[inline(never)]
+    fn rate(&self, at: usize) -> Option<Bitrate> {
+        self.candidates.as_slice().get(at).map(|candidate| candidate.nominal)
     }
 }

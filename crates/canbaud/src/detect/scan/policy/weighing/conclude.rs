@@ -13,6 +13,7 @@ const DOUBTS: u32 = 3;
 
 impl<const N: usize> Scan<N> {
     /// A burst is over.
+    #[inline(never)]
     pub(super) fn conclude(&mut self, step: &mut Step, burst: Burst) -> Decision {
         step.burst = None;
         let Some(listened_at) = self.rate(step.at) else { return Decision::Leave };

@@ -46,13 +46,10 @@ impl<const N: usize> Scan<N> {
 
     /// What the controller tells: nothing, if it had nothing to tell during a whole step and never
     /// told an error. Some that promise to do not.
+    #[inline(never)]
     fn telling(&self) -> Evidence {
         let mute = !self.traffic.tells && self.tracks.iter().any(|track| track.silences > 0);
         if mute { Evidence::FramesOnly } else { self.evidence }
-    }
-
-    fn rate(&self, at: usize) -> Option<Bitrate> {
-        self.candidates.as_slice().get(at).map(|candidate| candidate.nominal)
     }
 
     /// The one with the best chance for the time that it takes. Of many that are as good as each
@@ -65,9 +62,8 @@ impl<const N: usize> Scan<N> {
         if self.telling() == Evidence::FramesOnly || !self.traffic.tells {
             return None;
         }
-        let standing = |at: usize| self.tracks.get(at).map_or(i32::MIN, |track| track.standing());
-        let best = self.usable().map(standing).max()?;
-        let equal = || self.usable().filter(|at| standing(*at) > best.saturating_sub(BIT));
+        let least = self.best_standing()?.saturating_sub(BIT);
+        let equal = || self.usable().filter(|at| self.standing(*at) > least);
         let count = equal().count();
         if count < 3 {
             return None;
@@ -82,8 +78,7 @@ impl<const N: usize> Scan<N> {
         let score = |at: usize| {
             let rate = self.rate(at)?;
             let listening = Micros::of_bits(2 * bounds::LONGEST_FRAME, rate) + self.first_look(at);
-            let weight = self.tracks.get(at)?.standing();
-            Some((weight - log2((self.reconfiguration + listening).0), rate, at))
+            Some((self.standing(at) - log2((self.reconfiguration + listening).0), rate, at))
         };
         let best = self.usable().filter_map(score);
         best.max_by_key(|(score, rate, at)| (*score, *rate, usize::MAX - at)).map(|(.., at)| at)
@@ -214,9 +209,8 @@ impl<const N: usize> Scan<N> {
 
     /// The candidates that are not out of the question.
     fn in_question(&self) -> impl Iterator<Item = usize> {
-        let standing = |at: usize| self.tracks.get(at).map_or(i32::MIN, |track| track.standing());
-        let best = self.usable().map(standing).max().unwrap_or(0);
-        self.usable().filter(move |at| standing(*at) > best.saturating_sub(IN_QUESTION))
+        let least = self.best_standing().unwrap_or(0).saturating_sub(IN_QUESTION);
+        self.usable().filter(move |at| self.standing(*at) > least)
     }
 
     fn slowest(&self) -> Option<Bitrate> {
@@ -240,6 +234,7 @@ impl<const N: usize> Scan<N> {
         self.slowest().map_or(Micros(0), |rate| Micros::of_bits(bounds::LONGEST_FRAME, rate))
     }
 
+    #[inline(never)]
     fn stay_or_leave(&self, at: usize) -> Decision {
         if self.weighing_next() == Some(at) && !self.weighing_all_refuted() {
             Decision::Stay

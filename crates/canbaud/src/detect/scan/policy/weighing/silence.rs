@@ -64,6 +64,7 @@ impl<const N: usize> Scan<N> {
     }
 
     /// Nothing was heard for that long.
+    #[inline(never)]
     pub(super) fn silence(&mut self, step: &mut Step, now: Micros) -> Decision {
         let stalled = step.edges > FEW_EDGES;
         let known = self.traffic.tells && self.traffic.last.is_some();
