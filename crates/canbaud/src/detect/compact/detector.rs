@@ -64,7 +64,7 @@ impl Start {
 
     /// Takes the run at `at`.
     fn take(&mut self, at: usize, run: u32) {
-        let longest = if at % 2 == 0 { &mut self.dominant } else { &mut self.recessive };
+        let longest = if at.is_multiple_of(2) { &mut self.dominant } else { &mut self.recessive };
         *longest = run.max(*longest);
     }
 
