@@ -3,7 +3,7 @@
 mod support;
 
 use canbaud::detect::{CompactDetector, Verdict};
-use canbaud::wire::{Logic, Polarity};
+use canbaud::wire::{FdCrc, Frame, FrameKind, Id, Level, Logic, Polarity, encode};
 use support::judge::{Judgement, TOLERANCE_PPM, Truth, judge};
 use support::trial::{Resolution, Scene, Trial};
 
@@ -104,6 +104,34 @@ fn first_frame_decides_and_later_edges_change_nothing() {
     }
     detector.finish(end + 1_000_000);
     assert_eq!(detector.verdict(), found);
+}
+
+/// Three percent between two halves of a frame: each period is whole, its CRC is right, but the edges
+/// are on no common grid.
+#[test]
+fn a_frame_that_changes_its_pace_proves_nothing() {
+    let frame = Frame::new(Id::Base(0x2A5), FrameKind::Data, 8, &[0x35; 8]).expect("a frame");
+    let verdict = |pace: u64| {
+        let mut detector = CompactDetector::<128>::new();
+        detector.begin(0, Logic::High);
+        let (mut at, mut level) = (0, Level::Recessive);
+        for (index, bit) in encode(&frame, FdCrc::Iso).bits.iter().enumerate() {
+            if bit != level {
+                level = bit;
+                detector.push(10_000 + at);
+            }
+            at += if index < 60 { 1000 } else { pace };
+        }
+        if level == Level::Dominant {
+            detector.push(10_000 + at);
+        }
+        detector.finish(10_000 + at + 20_000);
+        detector.verdict()
+    };
+    assert!(matches!(verdict(1000), Verdict::Found(_)));
+    assert!(matches!(verdict(1001), Verdict::Found(_)));
+    let changed = verdict(1030);
+    assert!(matches!(changed, Verdict::Undecided(_)), "{changed:?}");
 }
 
 #[test]

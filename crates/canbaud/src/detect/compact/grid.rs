@@ -12,8 +12,6 @@ const PERIOD_BITS: core::ops::RangeInclusive<u32> = 2..=10;
 /// Bits of the longest: five dominant ones, five of a CRC, its delimiter, an acknowledge that nobody
 /// gave.
 const PERIOD_BITS_MAX: u32 = 12;
-/// Sets of the multiples of 2, 3 and 5 among the numbers of bits that a run may have.
-const MULTIPLES: [u32; 3] = [0x5555, 0x1249, 0x8421];
 /// Fewest ticks a bit; below, rounding a period to bits is a gamble.
 const TICKS_MIN: u32 = 3;
 /// Longest stretch in ticks, so that products with a number of bits have 32 bits.
@@ -115,18 +113,16 @@ impl Grid {
         let mut reader = Reader::new();
         let mut rising = Spread::default();
         let mut line = Line::default();
-        let (mut off, mut stray, mut counts) = (0, 0, 0);
+        let (mut off, mut stray) = (0, 0);
         for pair in runs.chunks(2) {
             let &[dominant, ref recessive @ ..] = pair else { return None };
             let (low, late) = self.nearest(dominant, off);
-            counts |= 1_u32 << (low & 31);
             reader.take(Level::Dominant, low);
             let &[recessive] = recessive else { break };
             rising.take(late);
             let whole;
             (whole, off) = self.nearest(dominant + recessive, off);
             let high = whole.saturating_sub(low);
-            counts |= 1 << (high & 31);
             reader.take(Level::Recessive, high);
             stray = off.unsigned_abs().max(stray);
             // Edges to recessive are late by what the transceivers make of them, but all alike.
@@ -135,11 +131,7 @@ impl Grid {
             }
             line.take(whole, dominant + recessive);
         }
-        // If all runs are multiples, a longer bit time says the same.
-        if MULTIPLES.iter().any(|multiples| counts & !multiples == 0)
-            || line.bits != self.bits
-            || !reader.ends_in_gap()
-        {
+        if !reader.ends_in_gap() {
             return None;
         }
         *compared += 1;
