@@ -9,9 +9,9 @@ const RUNS_MIN: usize = 7;
 /// A verdict needs a CRC, less what was tried until it was right.
 const CRC_BITS: u32 = 15;
 const PROOF_BITS_MIN: u32 = 10;
-/// A bit time less certain than 0.3 % is no answer: one tick more or less would be 0.8 %, and rates in
-/// use lie 1.6 % apart.
-const UNCERTAINTY_MAX_PPB: u32 = 3_000_000;
+/// A bit time less certain than 0.2 % is no answer: a tick more or less would be 0.5 %, and rates in use
+/// lie 1.6 % apart.
+const UNCERTAINTY_MAX_PPB: u32 = 2_000_000;
 /// Standard deviation of the time between two edges on whole ticks, in 10^-9 ticks.
 const SPAN_DEVIATION: u32 = 408_248_290;
 
@@ -64,7 +64,7 @@ impl Start {
 
     /// Takes the run at `at`.
     fn take(&mut self, at: usize, run: u32) {
-        let longest = if at % 2 == 0 { &mut self.dominant } else { &mut self.recessive };
+        let longest = if at.is_multiple_of(2) { &mut self.dominant } else { &mut self.recessive };
         *longest = run.max(*longest);
     }
 

@@ -12,8 +12,9 @@ const PERIOD_BITS: core::ops::RangeInclusive<u32> = 2..=10;
 /// Bits of the longest: five dominant ones, five of a CRC, its delimiter, an acknowledge that nobody
 /// gave.
 const PERIOD_BITS_MAX: u32 = 12;
-/// Sets of the multiples of 2, 3 and 5 among the numbers of bits that a run may have.
-const MULTIPLES: [u32; 3] = [0x5555, 0x1249, 0x8421];
+/// The last edge to dominant may be that of an acknowledge, which comes from other nodes, later: it
+/// says nothing about the sender's grid. So many runs lie between it and the one before, with it.
+const ACKNOWLEDGE_RUNS: usize = 2;
 /// Fewest ticks a bit; below, rounding a period to bits is a gamble.
 const TICKS_MIN: u32 = 3;
 /// Longest stretch in ticks, so that products with a number of bits have 32 bits.
@@ -49,7 +50,8 @@ pub(super) struct Measured {
 /// The grids that suit a stretch, from the longest bit time down.
 pub(super) fn grids(runs: &[u32], gaps: Gaps) -> impl Iterator<Item = Grid> {
     let total: u64 = runs.iter().map(|&run| u64::from(run)).sum();
-    let shortest = periods(runs).min().unwrap_or(0);
+    let own = runs.get(..runs.len().saturating_sub(ACKNOWLEDGE_RUNS)).unwrap_or(&[]);
+    let shortest = periods(own).min().unwrap_or(0);
     let fits = total < STRETCH_TICKS_MAX;
     PERIOD_BITS
         .filter(move |&bits| {
@@ -59,7 +61,7 @@ pub(super) fn grids(runs: &[u32], gaps: Gaps) -> impl Iterator<Item = Grid> {
             let least = Grid { ticks: shortest.saturating_sub(1), bits };
             fits && is_short && longest >= u64::from(bits * TICKS_MIN) && least.suits(gaps)
         })
-        .filter_map(move |bits| Grid::follow(runs, shortest, bits))
+        .filter_map(move |bits| Grid::follow(own, shortest, bits))
         .filter(move |grid| grid.suits(gaps))
 }
 
@@ -115,31 +117,28 @@ impl Grid {
         let mut reader = Reader::new();
         let mut rising = Spread::default();
         let mut line = Line::default();
-        let (mut off, mut stray, mut counts) = (0, 0, 0);
-        for pair in runs.chunks(2) {
+        let (mut off, mut stray) = (0, 0);
+        let own = runs.len().saturating_sub(ACKNOWLEDGE_RUNS) / 2;
+        for (index, pair) in runs.chunks(2).enumerate() {
             let &[dominant, ref recessive @ ..] = pair else { return None };
             let (low, late) = self.nearest(dominant, off);
-            counts |= 1_u32 << (low & 31);
             reader.take(Level::Dominant, low);
             let &[recessive] = recessive else { break };
             rising.take(late);
             let whole;
             (whole, off) = self.nearest(dominant + recessive, off);
             let high = whole.saturating_sub(low);
-            counts |= 1 << (high & 31);
             reader.take(Level::Recessive, high);
-            stray = off.unsigned_abs().max(stray);
+            if index < own {
+                stray = off.unsigned_abs().max(stray);
+                line.take(whole, dominant + recessive);
+            }
             // Edges to recessive are late by what the transceivers make of them, but all alike.
             if reader.is_wrong() || stray > limit || rising.width() > 2 * limit {
                 return None;
             }
-            line.take(whole, dominant + recessive);
         }
-        // If all runs are multiples, a longer bit time says the same.
-        if MULTIPLES.iter().any(|multiples| counts & !multiples == 0)
-            || line.bits != self.bits
-            || !reader.ends_in_gap()
-        {
+        if !reader.ends_in_gap() {
             return None;
         }
         *compared += 1;
