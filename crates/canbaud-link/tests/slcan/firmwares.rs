@@ -72,11 +72,15 @@ fn leaving_by_a_panic_closes_the_channel() {
 }
 
 #[test]
-fn a_port_is_for_one_program_alone() {
-    // Root may open what is locked, so this is about the error of a port that does not exist.
-    let error = SlcanListener::open("/dev/nothing", 115_200, SilentMode::Refused, Clock::start());
-    let error = error.unwrap_err();
-    assert!(matches!(&error, LinkError::NoPort { port } if port == "/dev/nothing"), "{error}");
+fn what_is_no_serial_port_is_said_to_be_none() {
+    for (path, wanted) in [
+        ("/dev/nothing", "there is no serial port /dev/nothing"),
+        ("/dev/null", "/dev/null is no serial port"),
+        ("/etc/passwd", "/etc/passwd is no serial port"),
+    ] {
+        let opened = SlcanListener::open(path, 115_200, SilentMode::Refused, Clock::start());
+        assert_eq!(opened.unwrap_err().to_string(), wanted);
+    }
 }
 
 #[test]
