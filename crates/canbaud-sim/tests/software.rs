@@ -123,9 +123,10 @@ fn broken_silence_is_noticed_whatever_the_software_says() {
     let misses: Vec<_> = run.misses().iter().map(ToString::to_string).collect();
     assert_eq!(misses.len(), 1, "{misses:?}");
     assert!(misses[0].contains("broken silence"), "{misses:?}");
-    // Power came at 20 ms and went at 60 ms: the edges and the frames between were handed over.
+    // Power came at 20 ms and went at 60 ms: the edges and the frames between, and those that
+    // had waited for an acknowledgement, were handed over.
     let claimed = liar.found_bitrate.unwrap();
-    assert!((2..=4).contains(&(claimed / 1_000)), "{claimed}");
+    assert!((2..=7).contains(&(claimed / 1_000)), "{claimed}");
     assert!(claimed % 1_000 > 30, "{claimed}");
     assert_eq!(liar.stage.as_deref(), Some("off"));
 }

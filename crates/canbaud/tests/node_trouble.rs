@@ -234,6 +234,23 @@ fn d1_a_refusal_is_told() {
     assert_eq!((device.node.refused(), device.node.leds().error), (None, Pattern::Off));
 }
 
+/// D1: a slave whose controller can listen but not take part looks for another rate in the end.
+#[test]
+fn d1_a_slave_that_is_not_let_in_detects() {
+    let mut device = Device::new(settings(fixed(), Means::Both(timer()), Startup::Slave));
+    device.obeys = false;
+    device.turn();
+    while device.took_part.len() < 3 {
+        assert!(device.takes_part() && device.listened.is_empty());
+        device.now = device.node.deadline().unwrap();
+        device.turn();
+    }
+    assert_eq!(device.node.stage(), Stage::Detecting);
+    device.obeys = true;
+    device.wait_until(Micros::from_ms(500));
+    assert_eq!((device.listened.len(), device.node.refused()), (1, None));
+}
+
 /// D1: a scan whose controller refuses every rate does not ask without end, and goes on when the
 /// controller is well again.
 #[test]
@@ -265,6 +282,7 @@ fn a_frame_that_was_taken_back_is_not_waited_for() {
     device.node.set_sending(Sending::Forbidden);
     device.wait_until(Micros::from_ms(60_000));
     assert!(device.takes_part());
+    assert_eq!((device.took_part.len(), device.listened.len()), (1, 0));
     device.now = Micros::from_ms(60_000);
     device.node.set_sending(Sending::Allowed);
     // Its boot-up message was among it.
