@@ -378,12 +378,7 @@ impl Device {
         while let Some(action) = self.lss.as_mut().and_then(|slave| slave.poll(now)) {
             let Some(node) = &mut self.software else { return };
             match action {
-                SlaveAction::Send(frame) => {
-                    // An answer that comes too late is none.
-                    if matches!(node.stage(), Stage::TakingPart { .. }) {
-                        sim.send_at(sim.now(), self.id, frame);
-                    }
-                }
+                SlaveAction::Send(frame) => sim.send_at(sim.now(), self.id, frame),
                 SlaveAction::StopSending => {
                     self.journal.tell(|| "LSS: falls silent for an activation".into());
                     node.set_sending(Sending::Forbidden);

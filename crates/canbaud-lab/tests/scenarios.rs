@@ -140,3 +140,101 @@ fn a_missed_stage_is_named_and_a_foreign_rate_is_never_joined() {
     // What it hears while it listens is no trouble of its own.
     assert!(!timeline(&scenario).contains("flag"));
 }
+
+/// An LSS master written as traffic: `right` sends these bytes on these identifiers.
+fn with_a_master(duration: &str, commands: &[(&str, u32, &str)], rest: &str) -> Scenario {
+    let mut text = format!(
+        "title = 'an LSS master as traffic'\nduration = '{duration}'\n\
+         [[node]]\nname = 'right'\nbitrate = '250k'\n\
+         [[node]]\nname = 'manager'\nbitrate = '250k'\n\
+         autonomous = {{ node_id = 1, start_up = 'mini-master', sync = '5ms' }}\n\
+         [[node]]\nname = 'drive'\n\
+         autonomous = {{ node_id = 5, timer = '8M', pdo = '3ms', heartbeat = '10ms' }}\n\
+         lss = {{ vendor_id = 1, product_code = 2, revision_number = 3, serial_number = 4 }}\n"
+    );
+    for (at, id, data) in commands {
+        let dlc = data.split(' ').count();
+        text.push_str(&format!(
+            "[[traffic]]\nnode = 'right'\nkind = 'single'\nstart = '{at}'\nid = {id}\ndlc = {dlc}\n\
+             payload = 'hex:{data}'\n"
+        ));
+    }
+    Scenario::parse("master.toml", &(text + rest)).unwrap()
+}
+
+const LSS: u32 = 0x7E5;
+const CONFIGURATION: &str = "04 01 00 00 00 00 00 00";
+const WAITING: &str = "04 00 00 00 00 00 00 00";
+
+/// When a node sent a frame of an identifier below 7E4h.
+struct Sent(NodeId, Vec<Time>);
+
+impl Observer for Sent {
+    fn event(&mut self, at: Time, node: NodeId, event: &Event) {
+        if let Event::TransmissionStarted { frame, .. } = event
+            && node == self.0
+            && frame.id().raw() < 0x7E4
+        {
+            self.1.push(at);
+        }
+    }
+}
+
+/// CiA 305: between "activate" and the end of the second period nothing is sent, neither what the
+/// node nor what its application has to say.
+#[test]
+fn an_activation_is_silent_for_both_periods() {
+    let scenario = with_a_master(
+        "1s",
+        &[("300ms", LSS, CONFIGURATION), ("310ms", LSS, "15 64 00 00 00 00 00 00")],
+        "",
+    );
+    let mut run = Run::with(&scenario, 1, &Autonomous).unwrap();
+    let mut sent = Sent(scenario.node("drive").unwrap().0, Vec::new());
+    run.finish(&mut sent);
+    let within =
+        |from: f64, to: f64| sent.1.iter().filter(|at| (from..to).contains(&at.seconds())).count();
+    assert!(within(0.200, 0.309) > 30, "it talks before");
+    // A frame that had begun is let go; the command takes half a millisecond on the wire.
+    assert_eq!(within(0.312, 0.510), 0, "it talks in the silence");
+    assert!(within(0.515, 0.700) > 30, "it talks behind");
+    assert_eq!(run.statistics().nodes[2].broken_silence, 0);
+}
+
+/// What LSS has stored is there after a loss of power; what was only pending is not.
+#[test]
+fn a_stored_configuration_outlasts_a_loss_of_power() {
+    let power = "[[change]]\nat = '400ms'\nnode = 'drive'\npower = 'off'\n\
+                 [[change]]\nat = '450ms'\nnode = 'drive'\npower = 'on'\n";
+    let rate = ("310ms", LSS, "13 00 03 00 00 00 00 00");
+    let node_id = ("320ms", LSS, "11 2A 00 00 00 00 00 00");
+    let store = ("330ms", LSS, "17 00 00 00 00 00 00 00");
+    for (commands, stored, boot) in [
+        (&[("300ms", LSS, CONFIGURATION), rate, node_id, store][..], "250k", "72A"),
+        (&[("300ms", LSS, CONFIGURATION), rate, node_id], "automatic", "705"),
+    ] {
+        let text = timeline(&with_a_master("1s", commands, power));
+        let (_, behind) = text.split_once("drive    power off").expect(&text);
+        assert!(behind.contains(&format!("power on: stored rate {stored},")), "{behind}");
+        assert!(behind.contains(&format!("drive    sends its boot-up message {boot}")), "{behind}");
+        assert!(behind.contains("drive    operational"), "{behind}");
+    }
+}
+
+/// CiA 305: a pending node-ID becomes active at the NMT state reset communication, and only there.
+#[test]
+fn a_pending_node_id_becomes_active_at_reset_communication() {
+    let commands = [
+        ("300ms", LSS, CONFIGURATION),
+        ("310ms", LSS, "11 2A 00 00 00 00 00 00"),
+        ("320ms", LSS, WAITING),
+        ("400ms", 0, "82 05"),
+    ];
+    let text = timeline(&with_a_master("600ms", &commands, ""));
+    let (before, behind) = text.split_once("LSS: node-ID 42 is pending").expect(&text);
+    assert!(before.contains("sends its boot-up message 705"), "{before}");
+    let (_, at) = behind.split_once("drive    sends its boot-up message 72A").expect(behind);
+    assert!(at.contains("drive    operational"), "{at}");
+    let line = text.lines().find(|line| line.contains("boot-up message 72A")).unwrap();
+    assert!(line.starts_with("0.40"), "{line}");
+}

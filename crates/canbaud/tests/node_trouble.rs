@@ -7,7 +7,9 @@ use canbaud::detect::scan::{
 };
 use canbaud::fault::State;
 use canbaud::lss::{NodeId, RateSetting};
-use canbaud::node::{Action, Input, Means, Node, Pattern, Settings, Stage, Startup};
+use canbaud::node::{
+    Action, Input, Means, NmtState, Node, Pattern, Sending, Settings, Stage, Startup, boot_up,
+};
 use canbaud::units::{Bitrate, Hertz, Micros, Timebase};
 use canbaud::wire::{Frame, FrameKind, Id};
 
@@ -232,6 +234,23 @@ fn d1_a_refusal_is_told() {
     assert_eq!((device.node.refused(), device.node.leds().error), (None, Pattern::Off));
 }
 
+/// D1: a slave whose controller can listen but not take part looks for another rate in the end.
+#[test]
+fn d1_a_slave_that_is_not_let_in_detects() {
+    let mut device = Device::new(settings(fixed(), Means::Both(timer()), Startup::Slave));
+    device.obeys = false;
+    device.turn();
+    while device.took_part.len() < 3 {
+        assert!(device.takes_part() && device.listened.is_empty());
+        device.now = device.node.deadline().unwrap();
+        device.turn();
+    }
+    assert_eq!(device.node.stage(), Stage::Detecting);
+    device.obeys = true;
+    device.wait_until(Micros::from_ms(500));
+    assert_eq!((device.listened.len(), device.node.refused()), (1, None));
+}
+
 /// D1: a scan whose controller refuses every rate does not ask without end, and goes on when the
 /// controller is well again.
 #[test]
@@ -251,4 +270,48 @@ fn d1_a_scan_that_is_refused_everywhere_waits_and_goes_on() {
             assert!(byte < 200, "it does not come back");
         }
     }
+}
+
+/// CiA 305: what waited in the controller when sending was forbidden was taken back; nobody's answer
+/// is missed for it, however long the switch delay is.
+#[test]
+fn a_frame_that_was_taken_back_is_not_waited_for() {
+    let mut device = Device::new(settings(fixed(), Means::Both(timer()), Startup::Slave));
+    device.turn();
+    device.hear(&heard(1));
+    device.node.set_sending(Sending::Forbidden);
+    device.wait_until(Micros::from_ms(60_000));
+    assert!(device.takes_part());
+    assert_eq!((device.took_part.len(), device.listened.len()), (1, 0));
+    device.now = Micros::from_ms(60_000);
+    device.node.set_sending(Sending::Allowed);
+    // Its boot-up message was among it.
+    assert!(matches!(device.node.poll(device.now), Some(Action::Send(_))));
+}
+
+/// LSS gives a node-ID: the boot-up message is sent with it, and one that is under way with the old
+/// one does not count.
+#[test]
+fn a_new_node_id_boots_up() {
+    let unconfigured = Settings {
+        node_id: NodeId::UNCONFIGURED,
+        ..settings(fixed(), Means::Both(timer()), Startup::Slave)
+    };
+    let mut device = Device::new(unconfigured);
+    device.turn();
+    device.hear(&heard(1));
+    assert_eq!(device.node.poll(device.now), None);
+    for id in [9, 10] {
+        let id = NodeId::new(id).unwrap();
+        device.node.reset_communication(id);
+        if id.get() == 10 {
+            // The message of 9 is still under way.
+            assert_eq!(device.node.poll(device.now), None);
+            device.node.handle(device.now, &Input::Sent);
+        }
+        assert_eq!(device.node.poll(device.now), boot_up(id).map(Action::Send));
+    }
+    device.node.handle(device.now, &Input::Sent);
+    let nmt = Some(NmtState::PreOperational);
+    assert_eq!(device.node.stage(), Stage::TakingPart { bitrate: rate(250_000), nmt });
 }

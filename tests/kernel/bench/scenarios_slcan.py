@@ -74,7 +74,7 @@ def slcan_without_l(bench):
 
 
 # Those that use the interface, and compare no times.
-STEPS = ("master_of_canopen", "slave_of_durand", "several_devices")
+STEPS = ("master_of_canopen", "slave_of_durand", "several_devices", "whole_network")
 PEERS = os.path.abspath(f"{os.path.dirname(__file__)}/../../../scripts/lss-peers")
 
 
