@@ -79,12 +79,13 @@ const CASES: [(&str, u64, u64); 6] = [
 ];
 
 /// Clocks of timers on a bus of 1 Mbit/s.
-const CLOCKS: [(&str, u64); 6] = [
+const CLOCKS: [(&str, u64); 7] = [
     ("1.5mhz", 1_500_000),
     ("2mhz", 2_000_000),
     ("3mhz", 3_000_000),
     ("4mhz", 4_000_000),
     ("5mhz", 5_000_000),
+    ("6mhz", 6_000_000),
     ("8mhz", 8_000_000),
 ];
 

@@ -260,8 +260,9 @@ enum Stretch {
 }
 
 fn bit_time(grid: Grid, measured: Measured) -> Option<BitTime> {
-    // Of an edge that strays, twice the deviation is about the most.
-    let deviation = SPAN_DEVIATION.saturating_mul(u32::max(2 * measured.stray_ticks, 1));
+    // Rounding alone makes up to a tick; of more than that, twice the deviation is about the most.
+    let beyond = 2 * measured.stray_ticks.saturating_sub(1);
+    let deviation = SPAN_DEVIATION.saturating_mul(beyond.max(1));
     let uncertainty_ppb = deviation.checked_div(grid.ticks)?;
     Some(BitTime { ticks_q20: measured.ticks_q20, uncertainty_ppb })
 }
