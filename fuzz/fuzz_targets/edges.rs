@@ -1,7 +1,7 @@
-//! Any edges to the detector, and to the decoder at the rate found or at any other.
+//! Any edges to both detectors, and to the decoder at the rate found or at any other.
 #![no_main]
 
-use canbaud::detect::{PulseDetector, find_data_rate};
+use canbaud::detect::{CompactDetector, PulseDetector, find_data_rate};
 use canbaud::wire::{
     BusTiming, DataRateWanted, DataTiming, Decoded, Decoder, Level, Listener, Logic,
 };
@@ -35,6 +35,10 @@ fuzz_target!(|bytes: &[u8]| {
         detector.push(at);
     }
     detector.finish(now);
+    let mut compact = CompactDetector::<800>::new();
+    compact.begin(0, Logic::High);
+    times.iter().for_each(|&at| compact.push(at));
+    compact.finish(now);
     let timing = detector.bus_timing().unwrap_or(BusTiming::classic(any_rate));
     if let Some(mut decoder) = Decoder::<200>::new(&timing) {
         decoder.begin(0, Level::Recessive);
