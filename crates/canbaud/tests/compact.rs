@@ -82,6 +82,80 @@ fn frames_behind_an_error_frame_are_found() {
     assert!(right >= 330, "{right} of 1000");
 }
 
+/// Something that looks like frames, but for its CRC, and then frames.
+#[test]
+fn what_was_compared_in_vain_counts_against_a_proof() {
+    let frame = |byte: u8| {
+        Frame::new(Id::Base(0x2A5), FrameKind::Data, 4, &[byte, 0x31, 0x57, 0x9C]).expect("a frame")
+    };
+    // So many wrong ones, the frames that come then, and the bits of proof that are left: 15 for
+    // each of those needed, less the logarithm of the comparisons for each.
+    let cases: [(u8, &[u8], Option<u32>); 6] = [
+        (0, &[1], Some(15)),
+        (15, &[1], Some(11)),
+        (40, &[1], None),
+        (40, &[1, 1, 1], None),
+        (40, &[1, 2], Some(30 - 2 * 6)),
+        (40, &[1, 2, 3], Some(30 - 2 * 6)),
+    ];
+    for (wrong, right, want) in cases {
+        let mut detector = CompactDetector::<128>::new();
+        let mut line = Line { at: 0, level: Level::Recessive, edges: Vec::new() };
+        for byte in 0..wrong {
+            // The data of one frame with the CRC of another, as no stuff bit is moved by it.
+            line.send(&with_foreign_crc(byte));
+        }
+        for &byte in right {
+            line.send(&encode(&frame(byte), FdCrc::Iso).bits.iter().collect::<Vec<_>>());
+        }
+        detector.begin(0, Logic::High);
+        line.edges.iter().for_each(|&at| detector.push(at));
+        detector.finish(line.at);
+        let proof = match detector.verdict() {
+            Verdict::Found(found) => Some(found.proof_bits),
+            Verdict::Undecided(_) | Verdict::NoTraffic | Verdict::Conflict { .. } => None,
+        };
+        assert_eq!(proof, want, "{wrong} wrong ones, then {right:?}");
+    }
+}
+
+/// A frame with a turned CRC bit, where stuffing is none the wiser.
+fn with_foreign_crc(byte: u8) -> Vec<Level> {
+    let legal = |bits: &[Level]| bits.windows(5).all(|five| five.iter().any(|bit| *bit != five[0]));
+    let turned = |last: u8| {
+        let data = [byte, 0x4B, 0x2D, last];
+        let frame = Frame::new(Id::Base(0x155), FrameKind::Data, 4, &data).expect("a frame");
+        let encoded = encode(&frame, FdCrc::Iso);
+        let end = encoded.crc_delimiter as usize;
+        let mut bits: Vec<_> = encoded.bits.iter().collect();
+        let before = legal(&bits[end - 20..end]);
+        bits[end - 8] = bits[end - 8].toggled();
+        (before && legal(&bits[end - 20..end])).then_some(bits)
+    };
+    (0..=255).find_map(turned).expect("a frame without stuff bits in its CRC")
+}
+
+/// Edges at 16 ticks a bit, 20 recessive bits between frames.
+struct Line {
+    at: u64,
+    level: Level,
+    edges: Vec<u64>,
+}
+
+impl Line {
+    fn send(&mut self, bits: &[Level]) {
+        self.at += 20 * 16;
+        for &bit in bits.iter().chain(&[Level::Recessive]) {
+            if bit != self.level {
+                self.edges.push(self.at);
+                self.level = bit;
+            }
+            self.at += 16;
+        }
+        self.at += 20 * 16;
+    }
+}
+
 #[test]
 fn first_frame_decides_and_later_edges_change_nothing() {
     let trial = Trial::draw(SEED, 1, Scene::Clean, Resolution::TicksPerBit(16.0));

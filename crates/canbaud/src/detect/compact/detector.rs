@@ -12,6 +12,8 @@ const PROOF_BITS_MIN: u32 = 10;
 /// A bit time less certain than 0.2 % is no answer: a tick more or less would be 0.5 %, and rates in use
 /// lie 1.6 % apart.
 const UNCERTAINTY_MAX_PPB: u32 = 2_000_000;
+/// Two frames agree if their bit times differ by less than the 128th part: two of 0.2 % each, and some.
+const AGREEMENT_SHIFT: u32 = 7;
 /// Standard deviation of the time between two edges on whole ticks, in 10^-9 ticks.
 const SPAN_DEVIATION: u32 = 408_248_290;
 
@@ -20,7 +22,10 @@ const SPAN_DEVIATION: u32 = 408_248_290;
 /// What [`PulseDetector`](crate::detect::PulseDetector) can do and this cannot: fewer than three
 /// ticks a bit, CAN FD frames, an inverted line, glitches, sharpening the bit time over many frames,
 /// telling two rates on one line. What it costs is in `docs/firmware.md`. It never guesses, either:
-/// the frame has to have its CRC and form right and its edges on the grid, between two gaps.
+/// the frame has to have its CRC and form right and its edges on the grid, between two gaps. What was
+/// compared with a CRC in vain counts against a proof as long as the detector lives: after 32 times
+/// two different frames have to agree, and after 1024 nothing is proof enough. Noise hardly ever
+/// comes as far; other signals on the line may, and a new detector begins anew.
 ///
 /// `N` is the number of runs that it can hold; 128 are enough for any classic frame. The frame may
 /// last up to 2^22 ticks. The line is RXD: high is recessive.
@@ -43,6 +48,8 @@ pub struct CompactDetector<const N: usize = 128> {
     later: Option<Start>,
     last: u64,
     level: Logic,
+    /// How often a CRC was compared.
+    compared: u32,
     seen: Seen,
 }
 
@@ -90,11 +97,30 @@ enum Seen {
     /// A stretch between two gaps that was no frame.
     Stretch,
     /// A frame that is too short for the timer's ticks.
-    WeakFrame,
-    Frame {
+    ShortFrame,
+    /// A frame whose CRC may be right by accident.
+    WeakFrame(Frame),
+    Proof {
         bit: BitTime,
+        frames: u32,
         proof_bits: u32,
     },
+}
+
+/// A frame that could be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Frame {
+    bit: BitTime,
+    /// Of its content.
+    print: u32,
+}
+
+impl Frame {
+    /// Whether both say the same, and are not one frame that is sent again.
+    fn confirms(&self, other: &Self) -> bool {
+        let apart = self.bit.ticks_q20.abs_diff(other.bit.ticks_q20);
+        self.print != other.print && apart <= self.bit.ticks_q20 >> AGREEMENT_SHIFT
+    }
 }
 
 impl<const N: usize> CompactDetector<N> {
@@ -108,6 +134,7 @@ impl<const N: usize> CompactDetector<N> {
             later: None,
             last: 0,
             level: Logic::High,
+            compared: 0,
             seen: Seen::Nothing,
         }
     }
@@ -150,11 +177,11 @@ impl<const N: usize> CompactDetector<N> {
             Seen::Nothing => Verdict::NoTraffic,
             Seen::Edges => Verdict::Undecided(Need::CompleteFrame),
             Seen::Stretch => Verdict::Undecided(Need::CleanFrame),
-            Seen::WeakFrame => Verdict::Undecided(Need::AnotherFrame),
-            Seen::Frame { bit, proof_bits } => Verdict::Found(Found {
+            Seen::ShortFrame | Seen::WeakFrame(_) => Verdict::Undecided(Need::AnotherFrame),
+            Seen::Proof { bit, frames, proof_bits } => Verdict::Found(Found {
                 nominal: bit,
                 data: DataPhase::NoFd,
-                proven_frames: 1,
+                proven_frames: frames,
                 proof_bits,
                 polarity: Polarity::Normal,
             }),
@@ -229,24 +256,39 @@ impl<const N: usize> CompactDetector<N> {
     }
 
     fn prove(&mut self, start: Start, behind: u32) -> bool {
-        if matches!(self.seen, Seen::Frame { .. }) {
-            return true;
-        }
-        self.seen = Seen::Stretch;
-        let runs = self.runs.get(start.at..self.len).unwrap_or(&[]);
-        let mut compared = 0;
-        let right = grids(runs, Gaps { before: start.before, behind })
-            .find_map(|grid| Some((grid, grid.read(runs, &mut compared)?)));
-        let bit = right.and_then(|(grid, measured)| bit_time(grid, measured));
-        let Some(bit) = bit else { return false };
-        // Each comparison of a CRC was one chance to be right by accident.
-        let chances = u32::next_power_of_two(compared.max(1)).trailing_zeros();
-        let proof_bits = CRC_BITS.saturating_sub(chances);
-        self.seen = match bit.uncertainty_ppb <= UNCERTAINTY_MAX_PPB {
-            true if proof_bits >= PROOF_BITS_MIN => Seen::Frame { bit, proof_bits },
-            _ => Seen::WeakFrame,
+        let waits = match self.seen {
+            Seen::Proof { .. } => return true,
+            Seen::WeakFrame(frame) => Some(frame),
+            Seen::Nothing | Seen::Edges | Seen::Stretch | Seen::ShortFrame => None,
         };
-        true
+        let runs = self.runs.get(start.at..self.len).unwrap_or(&[]);
+        let compared = &mut self.compared;
+        let right = grids(runs, Gaps { before: start.before, behind })
+            .find_map(|grid| Some((grid, grid.read(runs, compared)?)));
+        let frame = right.and_then(|(grid, measured)| {
+            Some(Frame { bit: bit_time(grid, measured)?, print: measured.print })
+        });
+        self.seen = match frame {
+            Some(frame) if frame.bit.uncertainty_ppb <= UNCERTAINTY_MAX_PPB => {
+                self.weigh(frame, waits)
+            }
+            Some(_) => waits.map_or(Seen::ShortFrame, Seen::WeakFrame),
+            None => waits.map_or(Seen::Stretch, Seen::WeakFrame),
+        };
+        frame.is_some()
+    }
+
+    /// Each comparison of a CRC was one chance to be right by accident.
+    fn weigh(&self, frame: Frame, waits: Option<Frame>) -> Seen {
+        let chances = u32::BITS - self.compared.saturating_sub(1).leading_zeros();
+        let confirmed = waits.is_some_and(|before| frame.confirms(&before));
+        let frames = if confirmed { 2 } else { 1 };
+        let proof_bits = (frames * CRC_BITS).saturating_sub(frames * chances);
+        if proof_bits >= PROOF_BITS_MIN {
+            Seen::Proof { bit: frame.bit, frames, proof_bits }
+        } else {
+            Seen::WeakFrame(frame)
+        }
     }
 }
 

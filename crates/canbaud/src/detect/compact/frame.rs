@@ -28,6 +28,8 @@ pub(super) struct Reader {
     at: u32,
     /// The last bits, the latest lowest.
     recent: u32,
+    /// Of all bits.
+    print: u32,
     /// Equal bits in a row.
     equal: u32,
     last: Level,
@@ -70,6 +72,7 @@ impl Reader {
             crc: 0,
             at: 0,
             recent: 0,
+            print: 0,
             equal: 0,
             last: Level::Recessive,
             remote: false,
@@ -110,6 +113,11 @@ impl Reader {
         self.place == Place::Wrong
     }
 
+    /// What two frames hardly ever have in common.
+    pub(super) const fn print(&self) -> u32 {
+        self.print
+    }
+
     pub(super) const fn crc_is_right(&self) -> bool {
         self.crc == 0
     }
@@ -124,6 +132,7 @@ impl Reader {
         }
         let bit = u32::from(level == Level::Recessive);
         self.recent = self.recent << 1 | bit;
+        self.print = self.print.wrapping_mul(31).wrapping_add(bit);
         let carry = u32::from(self.crc >> 14) & 1 ^ bit;
         self.crc = (self.crc << 1 & 0x7FFF) ^ if carry == 1 { CRC_15 } else { 0 };
         self.at += 1;

@@ -45,6 +45,8 @@ pub(super) struct Measured {
     pub(super) ticks_q20: u64,
     /// The farthest that one of them strays, in ticks, rounded down.
     pub(super) stray_ticks: u32,
+    /// Another for another frame, mostly.
+    pub(super) print: u32,
 }
 
 /// The grids that suit a stretch, from the longest bit time down.
@@ -141,9 +143,10 @@ impl Grid {
         if !reader.ends_in_gap() {
             return None;
         }
-        *compared += 1;
+        *compared = compared.saturating_add(1);
         let ticks_q20 = line.slope_q20().filter(|_| reader.crc_is_right())?;
-        Some(Measured { ticks_q20, stray_ticks: stray.checked_div(self.bits)? })
+        let print = reader.print();
+        Some(Measured { ticks_q20, stray_ticks: stray.checked_div(self.bits)?, print })
     }
 
     /// The line that is nearest to a place `ticks` behind one that is `off` behind its line, and how
