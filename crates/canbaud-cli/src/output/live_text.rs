@@ -39,7 +39,7 @@ pub(crate) fn render(report: &LiveReport, detail: Detail, paint: Paint) -> Strin
     tried(&mut sheet, &report.tried);
     sheet.remarks(&report.caveats);
     let mut text = sheet.into_text();
-    if let Some(rate) = &report.found {
+    if let Some(rate) = report.found.as_ref().filter(|rate| !rate.lacks_data_rate()) {
         let interface = if report.source.contains('/') { "can0" } else { &report.source };
         let _ = write!(text, "\n  {}\n", paint.strong(&ip_link(interface, rate)));
     }
@@ -67,7 +67,8 @@ fn rates(rate: &LiveRate) -> String {
         (None, FdSeen::NeverSwitched) => {
             format!("{nominal}, CAN FD without bit rate switch (data rate unknown)")
         }
-        (None, FdSeen::No | FdSeen::Switched | FdSeen::Suspected) => nominal,
+        (None, FdSeen::Switched) => format!("{nominal}, CAN FD (data rate unknown)"),
+        (None, FdSeen::No | FdSeen::Suspected) => nominal,
     }
 }
 
@@ -177,6 +178,22 @@ mod tests {
         assert!(text.starts_with("250 kbit/s, CAN FD data 2 Mbit/s — "), "{text}");
         assert!(text.contains("acknowledge  missing: the sender is alone"), "{text}");
         assert!(text.ends_with("dbitrate 2000000 dsample-point 0.750 fd on\n"), "{text}");
+    }
+
+    /// A classic node would destroy every CAN FD frame.
+    #[test]
+    fn can_fd_without_a_data_rate_is_told_and_has_no_command() {
+        let mut report = live();
+        for (fd, want) in [
+            (FdSeen::Switched, "250 kbit/s, CAN FD (data rate unknown) — "),
+            (FdSeen::NeverSwitched, "250 kbit/s, CAN FD without bit rate switch (data rate un"),
+            (FdSeen::Suspected, "250 kbit/s — "),
+        ] {
+            report.found.as_mut().unwrap().fd = fd;
+            let text = render(&report, Detail::Full, Paint::Plain);
+            assert!(text.starts_with(want), "{text}");
+            assert!(!text.contains("ip link"), "{text}");
+        }
     }
 
     #[test]

@@ -23,6 +23,17 @@ pub(crate) struct LiveRate {
     pub(crate) fd: FdSeen,
 }
 
+impl LiveRate {
+    /// Whether a node that takes part at this rate would destroy frames: there is CAN FD on the
+    /// bus, and its data bit rate is not known.
+    pub(crate) fn lacks_data_rate(&self) -> bool {
+        match self.fd {
+            FdSeen::No => false,
+            FdSeen::NeverSwitched | FdSeen::Switched | FdSeen::Suspected => self.data.is_none(),
+        }
+    }
+}
+
 /// What a scan came to.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LiveReport {

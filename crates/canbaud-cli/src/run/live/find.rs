@@ -289,13 +289,21 @@ fn judge_found(report: &mut LiveReport, found: &Found) {
         acknowledgement: found.acknowledgement,
         fd: found.fd,
     });
-    if found.fd == FdSeen::Suspected {
-        caveat(
+    match found.fd {
+        FdSeen::Suspected => caveat(
             report,
             "perhaps_fd",
             "There are frames that look like CAN FD, which this adapter does not receive; with an \
-             adapter that does, --fd tells more.",
-        );
+             adapter that does, --fd tells more. Nothing takes part in the traffic without it.",
+        ),
+        FdSeen::Switched | FdSeen::NeverSwitched if found.data().is_none() => caveat(
+            report,
+            "data_rate_unknown",
+            "There are CAN FD frames, and their data bit rate is not known; --fd finds it if they \
+             switch to it. A node without it would destroy them, so nothing takes part in the \
+             traffic.",
+        ),
+        FdSeen::No | FdSeen::Switched | FdSeen::NeverSwitched => {}
     }
 }
 
@@ -337,7 +345,7 @@ fn judge_misfit(report: &mut LiveReport, misfit: Misfit) {
             report,
             "other_rates",
             "--sweep 10k..1M tries every rate; wrong wiring, a missing termination or noise look \
-             the same.",
+             the same, and so do CAN FD frames to an adapter or a scan for classic ones.",
         ),
     }
 }

@@ -20,7 +20,7 @@ use super::failure::unwritable;
 use crate::args::{DetectArgs, When};
 use crate::exit::Exit;
 use crate::output::{Detail, live_json, live_text};
-use crate::report::LiveReport;
+use crate::report::{LiveRate, LiveReport};
 
 pub(crate) use args::LiveArgs;
 pub(super) use failure::link_error;
@@ -126,9 +126,11 @@ fn conclude(
     }
 }
 
-/// How to leave it. A node whose rate is known to some percent only would destroy frames.
+/// How to leave it. A node whose rate is known to some percent only would destroy frames, and so
+/// would one that does not know the data bit rate.
 fn after(args: &DetectArgs, report: &LiveReport) -> After {
-    if report.caveats.iter().any(|caveat| caveat.code == "roughly") {
+    let lacks_data_rate = report.found.as_ref().is_some_and(LiveRate::lacks_data_rate);
+    if lacks_data_rate || report.caveats.iter().any(|caveat| caveat.code == "roughly") {
         After::Listening
     } else {
         args.live.after()
