@@ -52,6 +52,20 @@ fn error() -> Input {
 
 const BUS_OFF: Input = Input::Fault { state: State::BusOff, tec: 256, rec: 0 };
 
+/// A device may answer every action alike.
+#[test]
+fn refusing_to_stop_makes_no_loop() {
+    let automatic = settings(RateSetting::Automatic, Means::Timer(timer()), Startup::Slave);
+    let mut node = Node::<160, 8>::new(automatic, None, Micros(0)).unwrap();
+    let mut stops = 0;
+    while let Some(action) = node.poll(Micros(0)) {
+        stops += u32::from(action == Action::Stop);
+        assert!(stops <= 1, "it goes on asking");
+        node.handle(Micros(0), &Input::Refused);
+    }
+    assert_eq!(stops, 1);
+}
+
 /// A device around a node, without a bus: it carries out what is asked and keeps the time.
 struct Device {
     node: Node,

@@ -253,6 +253,8 @@ impl<const N: usize, const R: usize> Node<N, R> {
             (Input::Ready(_) | Input::Refused, Told::No) => return,
             (Input::Heard(_) | Input::Sent | Input::Fault { .. }, Told::No | Told::Yes) => return,
             (Input::Refused, Told::Ready) => return,
+            // To stop is nothing that a controller can refuse.
+            (Input::Refused, Told::Yes) if self.wanted == Mode::Off => return,
             (Input::Refused, Told::Yes) => return self.refuse(now),
             (Input::Ready(_), _) => {
                 self.told = Told::Ready;

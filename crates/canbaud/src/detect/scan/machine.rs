@@ -30,7 +30,7 @@ pub(super) struct Step {
     pub(super) heard: Micros,
     /// How long before that nothing was heard.
     pub(super) pause: Micros,
-    /// The last good frame or error at the ACK delimiter.
+    /// The first good frame since the last error; one at the ACK delimiter does not count as such.
     pub(super) good: Option<Micros>,
     /// Good frames in this step.
     pub(super) frames: u32,

@@ -7,7 +7,9 @@ use crate::lss::RateSetting;
 /// A device that has none uses [`NoTables`], which takes no memory and no code.
 pub trait Tables {
     /// What an index of the table with this selector, 128 to 255, stands for; `None` (error 1) if
-    /// the device has no such table or no such index.
+    /// the device has no such table or no such index. A rate in it has to be one that the device can
+    /// be set to: the slave passes it on as it is, and a [`Node`](crate::node::Node) refuses what is
+    /// not among its [`rates`](crate::node::Settings::rates) when it is too late.
     fn setting(&self, table_selector: u8, table_index: u8) -> Option<RateSetting>;
 }
 
