@@ -11,6 +11,7 @@ use crate::judge::JudgeOptions;
 use crate::run::live::LiveArgs;
 use crate::run::timing::{ControllersArgs, TIMING_HELP, TimingArgs};
 use crate::run::{AdaptersArgs, LSS_HELP, LssArgs, SimulateArgs};
+use crate::values::{bus_rate, sample_rate};
 
 const ABOUT: &str =
     "Finds the bit rate of a CAN or CAN FD bus, recorded or live, proves it, decodes it";
@@ -142,7 +143,7 @@ pub(crate) struct DetectArgs {
     pub(crate) quiet: bool,
 
     /// Tell how far the measured rate lies from this one
-    #[arg(long, value_name = "RATE")]
+    #[arg(long, value_name = "RATE", value_parser = bus_rate)]
     pub(crate) expected: Option<Bitrate>,
 
     /// Files worked on at once [default: one per processor core]
@@ -218,7 +219,7 @@ pub(crate) struct ReadingArgs {
     pub(crate) input_format: Option<Format>,
 
     /// Sample rate, for files that do not hold theirs: 24M, 500k
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", value_parser = sample_rate)]
     pub(crate) samplerate: Option<Hertz>,
 
     /// Channel that carries the bus, by its name
@@ -226,11 +227,11 @@ pub(crate) struct ReadingArgs {
     pub(crate) channel: Option<String>,
 
     /// Nominal bit rate: 500k, 83.333k, 1M
-    #[arg(long, value_name = "RATE")]
+    #[arg(long, value_name = "RATE", value_parser = bus_rate)]
     pub(crate) bitrate: Option<Bitrate>,
 
     /// Data bit rate of CAN FD: 2M
-    #[arg(long, value_name = "RATE", requires = "bitrate")]
+    #[arg(long, value_name = "RATE", value_parser = bus_rate, requires = "bitrate")]
     pub(crate) data_bitrate: Option<Bitrate>,
 
     /// normal: high is recessive (RXD, CAN_L); inverted: high is dominant (CAN_H)

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use canbaud::units::{Bitrate, Micros};
+use canbaud::units::{Bitrate, Hertz, Micros};
 
 /// Nobody runs CAN below this; a smaller number wants its `k`.
 const SLOWEST: u32 = 1_000;
@@ -59,7 +59,18 @@ fn within(text: &str, least: u64, most: u64, wanted: &str) -> Result<Micros, Str
     }
 }
 
-/// A bit rate to set an adapter to.
+/// The sample rate of a recording: below the slowest bit rate nothing can be read.
+pub(crate) fn sample_rate(text: &str) -> Result<Hertz, String> {
+    let rate: Hertz = text.parse().map_err(|error| format!("{error}"))?;
+    match rate.hertz() {
+        slow if slow < u64::from(SLOWEST) => {
+            Err(format!("{slow} is {slow} Hz; {slow}M is {slow} MHz"))
+        }
+        _ => Ok(rate),
+    }
+}
+
+/// A bit rate.
 pub(crate) fn bus_rate(text: &str) -> Result<Bitrate, String> {
     let rate: Bitrate = text.parse().map_err(|error| format!("{error}"))?;
     match rate.bits_per_second() {
@@ -101,5 +112,7 @@ mod tests {
             assert!(bus_rate(good).is_ok(), "{good}");
         }
         assert!(bus_rate("fast").is_err());
+        assert_eq!(sample_rate("24").unwrap_err(), "24 is 24 Hz; 24M is 24 MHz");
+        assert!(sample_rate("24M").is_ok() && sample_rate("1000").is_ok());
     }
 }

@@ -4,6 +4,8 @@ use canbaud::timing::{Request, SamplePointPolicy, SjwPolicy};
 use canbaud::units::{Bitrate, Hertz, Permille};
 use clap::{Args, ValueEnum};
 
+use crate::values::bus_rate;
+
 /// Behind the help of `canbaud timing`.
 pub(crate) const TIMING_HELP: &str = "\
 Examples:
@@ -29,15 +31,15 @@ pub(crate) struct TimingArgs {
     pub(super) clock: Option<Hertz>,
 
     /// Bit rate: 500k, 83.333k, 1M
-    #[arg(long, value_name = "RATE")]
+    #[arg(long, value_name = "RATE", value_parser = bus_rate)]
     pub(super) bitrate: Option<Bitrate>,
 
     /// Bit rate of the CAN FD data phase: 2M
-    #[arg(long, value_name = "RATE", requires = "bitrate")]
+    #[arg(long, value_name = "RATE", value_parser = bus_rate, requires = "bitrate")]
     pub(super) data_bitrate: Option<Bitrate>,
 
     /// Bit rate of the CAN XL data phase: 10M
-    #[arg(long, value_name = "RATE", requires = "bitrate")]
+    #[arg(long, value_name = "RATE", value_parser = bus_rate, requires = "bitrate")]
     pub(super) xl_bitrate: Option<Bitrate>,
 
     /// Sample point: 80% [default: 87.5% up to 500k, 80% up to 800k, 75% above]
@@ -100,6 +102,7 @@ pub(crate) struct TimingArgs {
         long,
         value_name = "RATES",
         value_delimiter = ',',
+        value_parser = bus_rate,
         requires = "autobaud_table",
         default_value = "1M,500k,250k,125k,50k",
         num_args = 1
