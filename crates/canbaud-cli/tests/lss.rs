@@ -190,6 +190,9 @@ lss = { vendor_id = 0x29C, product_code = 1, revision_number = 0x10002, serial_n
             out.lines().map(|line| numbers(line)["serial_number"].as_u64().unwrap()).collect();
         serials.sort_unstable();
         assert_eq!(serials, [815, 4711]);
+        let (code, out, err) = bus.lss("250k", &["scan"]);
+        assert_eq!((code, out.as_str()), (4, ""), "{err}");
+        assert!(err.contains("no device without node-ID answers"), "{err}");
         let (code, out, err) = bus.lss("250k", &["inquire", "--address", VALVE, "--json"]);
         assert_eq!(code, 0, "{err}");
         assert_eq!(numbers(&out)["node_id"], 10);

@@ -9,7 +9,6 @@ use serde_json::json;
 use super::args::ScanArgs;
 use super::session::Session;
 use super::trouble::Trouble;
-use crate::tell::tell;
 
 /// Finds devices until none answers; all are in waiting afterwards.
 pub(super) fn scan(args: &ScanArgs, session: &mut Session) -> Result<(), Trouble> {
@@ -22,11 +21,7 @@ pub(super) fn scan(args: &ScanArgs, session: &mut Session) -> Result<(), Trouble
     let released = session.release();
     let count = outcome?;
     released?;
-    if count == 0 && !session.is_dry() {
-        tell!("canbaud: no device without node-ID answers");
-        tell!("  hint: those with a node-ID never answer a scan: canbaud lss inquire");
-    }
-    Ok(())
+    if count == 0 && !session.is_dry() { Err(Trouble::NobodyFound) } else { Ok(()) }
 }
 
 fn devices(args: &ScanArgs, session: &mut Session, max: u8) -> Result<u8, Trouble> {

@@ -23,6 +23,8 @@ pub(crate) enum Trouble {
     Service(Service, ServiceError),
     /// A scan.
     Fastscan(FastscanError),
+    /// No device answered a scan.
+    NobodyFound,
     /// The same device answered again.
     Again(LssAddress),
     /// The device did not come back.
@@ -59,6 +61,7 @@ impl fmt::Display for Trouble {
             }
             Self::Service(service, error) => write!(f, "{}: {error}", name(service)),
             Self::Fastscan(error) => write!(f, "fastscan: {error}"),
+            Self::NobodyFound => f.write_str("no device without node-ID answers"),
             Self::Again(address) => write!(
                 f,
                 "{address} answers the scan again although it was found: the scan ends here"
@@ -91,6 +94,10 @@ impl Trouble {
                 "is the bit rate right and the interface in normal mode? An address has to be \
                  exact; canbaud lss scan finds those without node-ID",
             ),
+            Self::NobodyFound => Some(
+                "is the bit rate right? At a wrong one, this disturbs the bus. Those with a node-ID \
+                 never answer a scan: canbaud lss inquire",
+            ),
             Self::Service(_, ServiceError::SeveralAnswers) => {
                 Some("name one with --address, or let one alone on the bus")
             }
@@ -107,7 +114,9 @@ impl Trouble {
             Self::Usage(_) | Self::NotAllowed(_) => Exit::Usage,
             Self::Link(_) | Self::NotRestored(..) => Exit::Unusable,
             Self::Stopped(signal) => Exit::Stopped(*signal),
-            Self::Service(_, ServiceError::NoAnswer(_)) | Self::NotBack(_) => Exit::NoTraffic,
+            Self::Service(_, ServiceError::NoAnswer(_)) | Self::NotBack(_) | Self::NobodyFound => {
+                Exit::NoTraffic
+            }
             Self::Service(..) | Self::Fastscan(_) | Self::Again(_) => Exit::Undecided,
             // A reader that has seen enough is no trouble.
             Self::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => Exit::Found,
