@@ -37,7 +37,10 @@ pub(crate) struct FrameCounts {
     pub(crate) fd_non_iso: u64,
     pub(crate) remote: u64,
     pub(crate) extended: u64,
+    /// Destroyed.
     pub(crate) error: u64,
+    /// In which the recording begins or ends.
+    pub(crate) truncated: u64,
     pub(crate) overload: u64,
     /// Good frames whose ACK slot was recessive.
     pub(crate) unacknowledged: u64,

@@ -86,7 +86,7 @@ fn traffic(report: &ChannelReport, judge: &ChannelJudge, caveats: &mut Vec<Cavea
             ),
         );
     }
-    let errors = frames.error.saturating_sub(judge.evidence.truncated);
+    let errors = frames.error;
     if errors > 0 && errors as f64 >= ERROR_SHARE * (good + errors) as f64 {
         add(
             caveats,

@@ -33,7 +33,6 @@ pub(super) struct Evidence {
     /// Errors that say that nobody acknowledged.
     pub(super) acknowledge_errors: u64,
     pub(super) data_rate_unknown: u64,
-    pub(super) truncated: u64,
     /// Frames whose own bit time lies further off than any clock of a node.
     pub(super) off_rate: u64,
     pub(super) proof_bits: u32,
@@ -58,7 +57,6 @@ impl Evidence {
             busy_ticks: 0,
             acknowledge_errors: 0,
             data_rate_unknown: 0,
-            truncated: 0,
             off_rate: 0,
             proof_bits: 0,
             last_frame: None,
@@ -112,10 +110,11 @@ impl Evidence {
         match &item.kind {
             ItemKind::Frame(received) => self.frame(received, decoded),
             ItemKind::Error(error) => {
-                self.counts.error += 1;
+                let truncated = error.kind == ErrorKind::Truncated;
+                self.counts.error += u64::from(!truncated);
+                self.counts.truncated += u64::from(truncated);
                 self.acknowledge_errors += u64::from(error.kind == ErrorKind::Acknowledge);
                 self.data_rate_unknown += u64::from(error.kind == ErrorKind::DataRateUnknown);
-                self.truncated += u64::from(error.kind == ErrorKind::Truncated);
             }
             ItemKind::Overload => self.counts.overload += 1,
         }

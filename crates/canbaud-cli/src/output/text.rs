@@ -221,6 +221,12 @@ impl Sheet {
         if frames.error > 0 {
             errors.push(count(frames.error, "destroyed frame", "destroyed frames"));
         }
+        if frames.truncated > 0 {
+            errors.push(format!(
+                "{} cut off by the recording",
+                count(frames.truncated, "frame", "frames")
+            ));
+        }
         if frames.overload > 0 {
             errors.push(count(frames.overload, "overload frame", "overload frames"));
         }

@@ -47,6 +47,7 @@ pub(crate) fn fd() -> ChannelReport {
             remote: 12,
             extended: 30,
             error: 2,
+            truncated: 1,
             overload: 1,
             unacknowledged: 7,
             fd_non_iso: 0,

@@ -45,7 +45,7 @@ fn full_report_answers_the_next_questions() {
         "data         2,000,020 bit/s   +10.00 ± 0.50 ppm of 2 Mbit/s",
         "CRC and form of 1,000 frames; wrong with probability < 1e-300",
         "612 classic, 376 CAN FD (370 switch the bit rate), 12 remote; 30 extended",
-        "errors       2 destroyed frames, 1 overload frame",
+        "errors       2 destroyed frames, 1 frame cut off by the recording, 1 overload frame",
         "acknowledge  missing on 7 of 1,000",
         "bus load     31.2 %   593,018 edges in 1.75 s",
         "asymmetry    dominant bits 20 ns longer, recessive bits shorter",
