@@ -5,7 +5,9 @@ use canbaud::detect::scan::{
     Settings,
 };
 use canbaud::units::{Bitrate, Hertz, Micros};
-use canbaud_stm32f4::{Bxcan, Capture, Captured, Error, Registers};
+use canbaud::wire::Logic;
+use canbaud_capture_queue::{CaptureQueue, Edge, Taken};
+use canbaud_stm32f4::{Bxcan, Capture, Error, Registers};
 use std::cell::RefCell;
 use std::collections::HashMap;
 
@@ -184,21 +186,34 @@ impl Registers for Tim2 {
     }
 }
 
-fn captured(status: u32, falling: u32, rising: u32) -> Captured {
+/// What the interrupt puts into the queue.
+fn captured(status: u32, falling: u32, rising: u32) -> Vec<Edge> {
     let mut timer = Tim2::default();
     timer.kept.extend([(0x10, status), (0x34, falling), (0x38, rising)]);
-    Capture::new(timer).interrupt()
+    let queue = CaptureQueue::<4>::new();
+    Capture::new(timer).interrupt(&queue);
+    core::iter::from_fn(|| match queue.take() {
+        Taken::Edge(edge) => Some(edge),
+        Taken::Nothing => None,
+        Taken::Lost => panic!("four have room"),
+    })
+    .collect()
 }
 
 #[test]
 fn captures_come_in_the_order_of_the_edges() {
-    assert_eq!(captured(0b010, 100, 7), Captured::Edges(Some(100), None));
-    assert_eq!(captured(0b100, 7, 100), Captured::Edges(Some(100), None));
-    assert_eq!(captured(0b110, 100, 116), Captured::Edges(Some(100), Some(116)));
-    assert_eq!(captured(0b110, 116, 100), Captured::Edges(Some(100), Some(116)));
+    let falling = |stamp| Edge::new(stamp, Logic::Low);
+    let rising = |stamp| Edge::new(stamp, Logic::High);
+    assert_eq!(captured(0b000, 100, 7), []);
+    assert_eq!(captured(0b010, 100, 7), [falling(100)]);
+    assert_eq!(captured(0b100, 7, 100), [rising(100)]);
+    assert_eq!(captured(0b110, 100, 116), [falling(100), rising(116)]);
+    assert_eq!(captured(0b110, 116, 100), [rising(100), falling(116)]);
     // The counter ran over in between.
-    assert_eq!(captured(0b110, u32::MAX - 3, 12), Captured::Edges(Some(u32::MAX - 3), Some(12)));
-    assert_eq!(captured(0b110 | 1 << 9, 100, 116), Captured::Lost);
+    assert_eq!(captured(0b110, u32::MAX - 3, 12), [falling(u32::MAX - 3), rising(12)]);
+    // Falling, rising, falling: the first one was overwritten.
+    assert_eq!(captured(0b110 | 1 << 9, 116, 100), [falling(116).behind_missing()]);
+    assert_eq!(captured(0b110 | 1 << 10, 100, 116), [rising(116).behind_missing()]);
 }
 
 /// CCMR1: CC1S 01 and CC2S 10 are both TI1; CCER: CC1P is set (falling), CC2P is not (rising), both
