@@ -109,6 +109,9 @@ const BIT: u64 = 32;
 /// More than both frames need.
 const ROOM: usize = 128;
 
+/// Their ticks, and the levels behind them.
+type Edges = Vec<(u64, Logic)>;
+
 struct Board<const N: usize> {
     timer: Tim2,
     queue: CaptureQueue<N>,
@@ -167,7 +170,7 @@ fn rate(bits_per_second: u32) -> Measured {
 }
 
 /// The edges of `bits` from `begin` on, where the line is recessive; and when they are over.
-fn edges(bits: &str, begin: u64, bit: u64) -> (Vec<(u64, Logic)>, u64) {
+fn edges(bits: &str, begin: u64, bit: u64) -> (Edges, u64) {
     let mut level = Logic::High;
     let mut edges = Vec::new();
     for (at, text) in (begin..).step_by(bit as usize).zip(bits.chars()) {
@@ -181,7 +184,7 @@ fn edges(bits: &str, begin: u64, bit: u64) -> (Vec<(u64, Logic)>, u64) {
 }
 
 /// Two frames with an idle before, and the edge that ends the gap behind them.
-fn two_frames() -> (Vec<(u64, Logic)>, Vec<(u64, Logic)>) {
+fn two_frames() -> (Edges, Edges) {
     let (first, end) = edges(FRAME, 20 * BIT, BIT);
     let (mut second, end) = edges(OTHER, end, BIT);
     second.push((end, Logic::Low));
