@@ -1,12 +1,9 @@
 //! The program for the board.
 
 use canbaud::detect::scan::{Candidates, Controller, Driver, Outcome, Progress, Scan, Settings};
-use canbaud::detect::{CompactDetector, Verdict};
-use canbaud::rates;
-use canbaud::units::{Bitrate, Hertz, Micros, Timebase};
-use canbaud::wire::Logic;
-use canbaud_capture_queue::{CaptureQueue, Taken};
-use canbaud_stm32f4::{Block, Bxcan, Capture, Captured, Registers};
+use canbaud::units::{Bitrate, Hertz, Micros};
+use canbaud_capture_queue::CaptureQueue;
+use canbaud_stm32f4::{Block, Bxcan, Capture, Measured, Measurement, Registers};
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::asm::wfi;
@@ -21,7 +18,6 @@ const APB1ENR: usize = 0x40;
 /// GPIOA.
 const MODER: usize = 0x00;
 const PUPDR: usize = 0x0C;
-const IDR: usize = 0x10;
 const AFRL: usize = 0x20;
 const AFRH: usize = 0x24;
 
@@ -45,12 +41,7 @@ unsafe impl cortex_m::interrupt::InterruptNumber for Tim2 {
 #[exception]
 unsafe fn DefaultHandler(_: i16) {
     // SAFETY: while the interrupt is enabled nothing but it touches status and capture registers.
-    match Capture::new(unsafe { Block::new(Block::TIM2) }).interrupt() {
-        Captured::Edges(first, second) => {
-            first.into_iter().chain(second).for_each(|stamp| QUEUE.put(stamp));
-        }
-        Captured::Lost => QUEUE.note_overrun(),
-    }
+    Capture::new(unsafe { Block::new(Block::TIM2) }).interrupt(&QUEUE);
 }
 
 #[entry]
@@ -65,10 +56,10 @@ fn main() -> ! {
     let mut timer = Capture::new(timer);
     let mut can = Bxcan::new(can, clock);
     loop {
-        timer.start();
+        let mut measurement = Measurement::start(&mut timer, &QUEUE, clock);
         // SAFETY: the queue and the timer are ready for it.
         unsafe { NVIC::unmask(Tim2) };
-        let bitrate = measure(&timer, &gpio, clock);
+        let bitrate = measure(&mut measurement);
         NVIC::mask(Tim2);
         // The counter goes on as the clock of what follows.
         let Some(bitrate) = bitrate else { continue };
@@ -93,35 +84,13 @@ fn prepare(rcc: &mut Block, gpio: &mut Block) {
     gpio.modify(MODER, 0b11 | 0b11 << 22, ALTERNATE | ALTERNATE << 22);
 }
 
-/// Feeds the detector until it knows the rate.
-fn measure(timer: &Capture<Block>, gpio: &Block, clock: Hertz) -> Option<Bitrate> {
-    let level = || if gpio.read(IDR) & 1 == 1 { Logic::High } else { Logic::Low };
-    let mut detector = CompactDetector::<128>::new();
-    let mut now = u64::from(timer.now());
-    detector.begin(now, level());
+/// Sleeps until the next edge as long as more are wanted.
+fn measure(measurement: &mut Measurement) -> Option<Bitrate> {
     loop {
-        match QUEUE.take() {
-            Taken::Edge(stamp) => {
-                // The counter has 32 bits: ticks go on from there.
-                now += u64::from(stamp.wrapping_sub(now as u32));
-                detector.push(now);
-            }
-            Taken::Lost => {
-                now += u64::from(timer.now().wrapping_sub(now as u32));
-                detector.begin(now, level());
-            }
-            Taken::Nothing => {
-                if let Verdict::Found(found) = detector.verdict() {
-                    let timebase = Timebase::from_frequency(clock);
-                    let measured = found.nominal.millibits_per_second(timebase)?;
-                    // The rate that is meant, where only one in use is that close.
-                    let known =
-                        rates::nearest(rates::nominal(), measured, found.nominal.uncertainty_ppb);
-                    let rate = known.map_or(measured, |known| known.millibits_per_second());
-                    return Bitrate::new(u32::try_from((rate + 500) / 1000).ok()?);
-                }
-                wfi();
-            }
+        match measurement.turn(&QUEUE) {
+            Measured::NotYet => wfi(),
+            Measured::Rate(bitrate) => return Some(bitrate),
+            Measured::OutOfRange => return None,
         }
     }
 }

@@ -44,6 +44,8 @@ const SILM: u32 = 1 << 31;
 /// Entering initialization mode waits for the frame on the bus, 13 ms at 10 kbit/s: enough reads for
 /// that at 168 MHz and some cycles each.
 const INIT_READS: u32 = 4_000_000;
+/// FIFO 0 has three messages, and a release takes some cycles.
+const RELEASE_READS: u32 = 1_000;
 
 /// What can go wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,6 +54,8 @@ pub enum Error {
     Timing(Bitrate),
     /// Initialization mode was not entered: no clock for CAN1, or RXD stuck dominant.
     NotInitialized,
+    /// FIFO 0 did not become empty; RF0R reads this.
+    NotEmptied(u32),
     /// BTR did not keep this word: it can be written in initialization mode only.
     ReadBack(u32),
 }
@@ -94,6 +98,17 @@ impl<R: Registers> Bxcan<R> {
         self.registers.write(F0R2, 0);
         self.registers.modify(FA1R, 0, BANK_0);
         self.registers.modify(FMR, FINIT, 0);
+    }
+
+    /// Releases what is in FIFO 0.
+    fn empty_fifo(&mut self) -> Result<(), Error> {
+        for _ in 0..RELEASE_READS {
+            if self.registers.read(RF0R) & FMP0 == 0 {
+                return Ok(());
+            }
+            self.registers.write(RF0R, RFOM0);
+        }
+        Err(Error::NotEmptied(self.registers.read(RF0R)))
     }
 
     /// The frame at the front of FIFO 0, which is then released.
@@ -151,9 +166,7 @@ impl<R: Registers> Controller for Bxcan<R> {
             return Err(Error::ReadBack(word));
         }
         self.accept_everything();
-        while self.registers.read(RF0R) & FMP0 != 0 {
-            self.registers.write(RF0R, RFOM0);
-        }
+        self.empty_fifo()?;
         self.registers.write(RF0R, FOVR0);
         self.registers.modify(ESR, 0, LEC);
         // bxCAN takes part in the bus traffic, as a listener, after 11 recessive bits.

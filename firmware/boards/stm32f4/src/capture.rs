@@ -5,6 +5,8 @@
 //! only if the second next one comes before the interrupt has read it: two bits.
 
 use crate::registers::Registers;
+use canbaud::wire::Logic;
+use canbaud_capture_queue::{CaptureQueue, Edge};
 
 const CR1: usize = 0x00;
 const DIER: usize = 0x0C;
@@ -29,22 +31,14 @@ pub struct Capture<R> {
     registers: R,
 }
 
-/// What one interrupt found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Captured {
-    /// The edges, in the order in which they came; there may be two.
-    Edges(Option<u32>, Option<u32>),
-    /// At least one is missing.
-    Lost,
-}
-
 impl<R: Registers> Capture<R> {
     /// Over the registers of TIM2, whose clock is on.
     pub const fn new(registers: R) -> Self {
         Self { registers }
     }
 
-    /// Counts every period of the timer clock and captures from now on.
+    /// Counts every period of the timer clock from 0, and captures every edge from then on; what was
+    /// captured before is forgotten.
     pub fn start(&mut self) {
         const ON_TI1: u32 = 0b01;
         const ON_TI1_TOO: u32 = 0b10 << 8;
@@ -52,19 +46,24 @@ impl<R: Registers> Capture<R> {
         const FILTERS: u32 = 0b0001 << 4 | 0b0001 << 12;
         const FALLING: u32 = 1 << 1;
         const ENABLED: u32 = 1 | 1 << 4;
+        const UPDATE: u32 = 1;
+        self.stop();
         self.registers.write(PSC, 0);
         self.registers.write(ARR, u32::MAX);
+        // CC1S and CC2S can be written while the channels are off only.
         self.registers.write(CCMR1, ON_TI1 | ON_TI1_TOO | FILTERS);
-        self.registers.write(CCER, FALLING | ENABLED);
-        self.registers.write(EGR, 1);
+        self.registers.write(EGR, UPDATE);
         self.registers.write(SR, 0);
         self.registers.write(DIER, CC1 | CC2);
+        // The channels first: there is no tick without them.
+        self.registers.write(CCER, FALLING | ENABLED);
         self.registers.write(CR1, 1);
     }
 
-    /// Captures no more.
+    /// Captures and counts no more.
     pub fn stop(&mut self) {
         self.registers.write(DIER, 0);
+        self.registers.write(CCER, 0);
         self.registers.write(CR1, 0);
     }
 
@@ -73,21 +72,43 @@ impl<R: Registers> Capture<R> {
         self.registers.read(CNT)
     }
 
-    /// The interrupt: takes what was captured.
-    pub fn interrupt(&mut self) -> Captured {
+    /// The interrupt: puts what was captured into the queue, in the order of the edges.
+    pub fn interrupt<const N: usize>(&mut self, queue: &CaptureQueue<N>) {
         let status = self.registers.read(SR);
         // Reading a capture register clears its flag.
-        let falling = (status & CC1 != 0).then(|| self.registers.read(CCR1));
-        let rising = (status & CC2 != 0).then(|| self.registers.read(CCR2));
+        let falling = (status & CC1 != 0).then(|| self.falling());
+        let rising = (status & CC2 != 0).then(|| self.rising());
         if (status | self.registers.read(SR)) & OVERCAPTURES != 0 {
-            self.registers.write(SR, !OVERCAPTURES);
-            return Captured::Lost;
+            queue.put(self.newest_behind_overcapture());
+            return;
         }
-        match (falling, rising) {
-            (Some(a), Some(b)) if (b.wrapping_sub(a) as i32) < 0 => {
-                Captured::Edges(Some(b), Some(a))
+        let (first, second) = match (falling, rising) {
+            (Some(falling), Some(rising)) => {
+                let (first, second) = in_order(falling, rising);
+                (Some(first), Some(second))
             }
-            (falling, rising) => Captured::Edges(falling.or(rising), falling.and(rising)),
-        }
+            (falling, rising) => (falling.or(rising), None),
+        };
+        first.into_iter().chain(second).for_each(|edge| queue.put(edge));
     }
+
+    /// Which edges are missing is not known, but from the newest on nothing is.
+    fn newest_behind_overcapture(&mut self) -> Edge {
+        // The flags first: an overcapture from here on is seen by the next interrupt.
+        self.registers.write(SR, !OVERCAPTURES);
+        in_order(self.falling(), self.rising()).1.behind_missing()
+    }
+
+    fn falling(&self) -> Edge {
+        Edge::new(self.registers.read(CCR1), Logic::Low)
+    }
+
+    fn rising(&self) -> Edge {
+        Edge::new(self.registers.read(CCR2), Logic::High)
+    }
+}
+
+/// The earlier of two edges comes first; the counter may have begun again in between.
+const fn in_order(a: Edge, b: Edge) -> (Edge, Edge) {
+    if (b.stamp.wrapping_sub(a.stamp) as i32) < 0 { (b, a) } else { (a, b) }
 }

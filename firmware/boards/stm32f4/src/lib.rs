@@ -4,8 +4,10 @@
 
 mod bxcan;
 mod capture;
+mod measure;
 mod registers;
 
 pub use bxcan::{Bxcan, Error};
-pub use capture::{Capture, Captured};
+pub use capture::Capture;
+pub use measure::{Measured, Measurement};
 pub use registers::{Block, Registers};

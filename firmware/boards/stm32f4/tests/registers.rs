@@ -5,7 +5,9 @@ use canbaud::detect::scan::{
     Settings,
 };
 use canbaud::units::{Bitrate, Hertz, Micros};
-use canbaud_stm32f4::{Bxcan, Capture, Captured, Error, Registers};
+use canbaud::wire::Logic;
+use canbaud_capture_queue::{CaptureQueue, Edge, Taken};
+use canbaud_stm32f4::{Bxcan, Capture, Error, Registers};
 use std::cell::RefCell;
 use std::collections::HashMap;
 
@@ -16,8 +18,17 @@ const ESR: usize = 0x18;
 const BTR: usize = 0x1C;
 const SILM: u32 = 1 << 31;
 
+/// What becomes of a message in FIFO 0 that is released.
+#[derive(Clone, Copy, PartialEq)]
+enum Fifo {
+    Works,
+    /// A chip that does not do what it is told.
+    NeverEmpties,
+}
+
 /// bxCAN on a bus with frames at one rate.
 struct Can {
+    fifo: Fifo,
     kept: RefCell<HashMap<usize, u32>>,
     bus: u32,
     heard: RefCell<u32>,
@@ -27,7 +38,7 @@ impl Can {
     /// After reset: asleep.
     fn on(bus: u32) -> Self {
         let kept = [(MCR, 0x0001_0002), (MSR, 0xC02), (BTR, 0x0123_0000), (ESR, 0)];
-        Self { kept: RefCell::new(kept.into()), bus, heard: RefCell::new(0) }
+        Self { fifo: Fifo::Works, kept: RefCell::new(kept.into()), bus, heard: RefCell::new(0) }
     }
 
     fn at(&self, offset: usize) -> u32 {
@@ -61,7 +72,8 @@ impl Can {
             self.put(0x1B0, 0x183 << 21);
             self.put(0x1B4, 1);
             self.put(0x1B8, *self.heard.borrow() & 0xFF);
-            self.put(RF0R, self.at(RF0R) | 1);
+            let messages = (self.at(RF0R) & 0b11) + 1;
+            self.put(RF0R, self.at(RF0R) & !0b11 | messages.min(3));
         } else {
             self.put(ESR, self.at(ESR) & !(7 << 4) | 1 << 4);
         }
@@ -91,8 +103,10 @@ impl Registers for Can {
                 self.put(BTR, value);
             }
             RF0R => {
-                let released = if value & 1 << 5 != 0 { 0b11 } else { 0 };
-                self.put(RF0R, self.at(RF0R) & !(released | value & 0x18));
+                let messages = self.at(RF0R) & 0b11;
+                let is_released = value & 1 << 5 != 0 && self.fifo == Fifo::Works;
+                let left = messages.saturating_sub(u32::from(is_released));
+                self.put(RF0R, self.at(RF0R) & !(0b11 | value & 0x18) | left);
             }
             // TSR, and the transmit mailboxes.
             0x08 | 0x180..=0x1AC => panic!("{offset:#05x} transmits"),
@@ -154,6 +168,22 @@ fn listening_without_a_silent_bit_timing_is_refused() {
     assert_eq!(can.start_monitoring(), Err(Error::ReadBack(0x0123_0000)));
 }
 
+/// Three messages of before; their release must end, whatever the chip does.
+#[test]
+fn listening_begins_with_an_empty_fifo_or_not_at_all() {
+    for (fifo, begun) in [(Fifo::Works, Ok(())), (Fifo::NeverEmpties, Err(Error::NotEmptied(3)))] {
+        let mut can = Bxcan::new(Can { fifo, ..Can::on(500_000) }, pclk());
+        can.configure(&candidate(500_000)).expect("it can");
+        let registers = can.into_registers();
+        registers.put(RF0R, 3);
+        let mut can = Bxcan::new(registers, pclk());
+        assert_eq!(can.start_monitoring(), begun);
+        let registers = can.into_registers();
+        assert_eq!(registers.is_initializing(), begun.is_err(), "it does not listen with an error");
+        assert_eq!(registers.at(RF0R) & 3, if begun.is_ok() { 0 } else { 3 });
+    }
+}
+
 #[test]
 fn errors_and_overruns_are_told_once() {
     // Nobody sends at this rate, so all that happens is written here.
@@ -184,21 +214,34 @@ impl Registers for Tim2 {
     }
 }
 
-fn captured(status: u32, falling: u32, rising: u32) -> Captured {
+/// What the interrupt puts into the queue.
+fn captured(status: u32, falling: u32, rising: u32) -> Vec<Edge> {
     let mut timer = Tim2::default();
     timer.kept.extend([(0x10, status), (0x34, falling), (0x38, rising)]);
-    Capture::new(timer).interrupt()
+    let queue = CaptureQueue::<4>::new();
+    Capture::new(timer).interrupt(&queue);
+    core::iter::from_fn(|| match queue.take() {
+        Taken::Edge(edge) => Some(edge),
+        Taken::Nothing => None,
+        Taken::Lost => panic!("four have room"),
+    })
+    .collect()
 }
 
 #[test]
 fn captures_come_in_the_order_of_the_edges() {
-    assert_eq!(captured(0b010, 100, 7), Captured::Edges(Some(100), None));
-    assert_eq!(captured(0b100, 7, 100), Captured::Edges(Some(100), None));
-    assert_eq!(captured(0b110, 100, 116), Captured::Edges(Some(100), Some(116)));
-    assert_eq!(captured(0b110, 116, 100), Captured::Edges(Some(100), Some(116)));
+    let falling = |stamp| Edge::new(stamp, Logic::Low);
+    let rising = |stamp| Edge::new(stamp, Logic::High);
+    assert_eq!(captured(0b000, 100, 7), []);
+    assert_eq!(captured(0b010, 100, 7), [falling(100)]);
+    assert_eq!(captured(0b100, 7, 100), [rising(100)]);
+    assert_eq!(captured(0b110, 100, 116), [falling(100), rising(116)]);
+    assert_eq!(captured(0b110, 116, 100), [rising(100), falling(116)]);
     // The counter ran over in between.
-    assert_eq!(captured(0b110, u32::MAX - 3, 12), Captured::Edges(Some(u32::MAX - 3), Some(12)));
-    assert_eq!(captured(0b110 | 1 << 9, 100, 116), Captured::Lost);
+    assert_eq!(captured(0b110, u32::MAX - 3, 12), [falling(u32::MAX - 3), rising(12)]);
+    // Falling, rising, falling: the first one was overwritten.
+    assert_eq!(captured(0b110 | 1 << 9, 116, 100), [falling(116).behind_missing()]);
+    assert_eq!(captured(0b110 | 1 << 10, 100, 116), [rising(116).behind_missing()]);
 }
 
 /// CCMR1: CC1S 01 and CC2S 10 are both TI1; CCER: CC1P is set (falling), CC2P is not (rising), both

@@ -1,8 +1,8 @@
 //! The timer method: a recorded bus goes through a model of an input-capture timer and its
 //! interrupt into the pulse detector; then the bit timing for bxCAN is worked out.
 //!
-//! The interrupt only stores the time of an edge. The main loop takes the times, makes 64-bit ticks
-//! of them and feeds the detector: this is the split that a real board has, too.
+//! The interrupt only stores the time and polarity of an edge. The main loop takes them, makes 64-bit
+//! ticks of the times and feeds the detector: this is the split that a real board has, too.
 #![no_std]
 #![no_main]
 
@@ -13,7 +13,7 @@ use canbaud::timing::{Request, solve};
 use canbaud::units::{Bitrate, Hertz, Timebase};
 use canbaud_firmware::console::{self, Status, print, print_hex, print_number};
 use canbaud_firmware::recordings::{RECORDINGS, Recording};
-use canbaud_firmware::timer::{CaptureQueue, CaptureTimer, Taken};
+use canbaud_firmware::timer::{CaptureQueue, CaptureTimer, Recorder};
 use cortex_m_rt::entry;
 
 /// What the interrupt writes and the main loop reads.
@@ -33,22 +33,12 @@ fn main() -> ! {
 
 fn run(recording: &Recording) -> bool {
     let mut detector = PulseDetector::<160>::new();
-    let mut timer = CaptureTimer::new(recording.edges);
-    detector.begin(0, recording.initial);
-    let mut now = 0_u64;
+    let mut timer = CaptureTimer::new(recording.initial, recording.edges);
+    QUEUE.clear();
+    let mut recorder = Recorder::new(0);
     // The interrupt comes whenever it wants; here, some edges before the main loop looks.
     while timer.interrupt(&QUEUE, 7) {
-        loop {
-            match QUEUE.take() {
-                Taken::Edge(stamp) => {
-                    // The recorder may be slow, and the timer has 32 bits: ticks go on from there.
-                    now += u64::from(stamp.wrapping_sub(now as u32));
-                    detector.push(now);
-                }
-                Taken::Nothing => break,
-                Taken::Lost => return false,
-            }
-        }
+        recorder.take(&QUEUE, &mut detector);
     }
     detector.finish(recording.end);
     report(recording, &detector.verdict())
