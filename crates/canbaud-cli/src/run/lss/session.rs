@@ -1,6 +1,6 @@
 //! A master on a channel, or one that only shows its frames.
 
-use std::io::{self, Write};
+use std::io;
 use std::time::Duration;
 
 use canbaud::lss::{
@@ -16,6 +16,7 @@ use super::args::{DeviceArgs, LineArgs};
 use super::channel::Channel;
 use super::trouble::{Trouble, name};
 use super::watched::Watched;
+use crate::outlet::Outlet;
 use crate::tell::tell;
 
 /// What the frames go out on.
@@ -53,7 +54,8 @@ impl Session {
     /// What came of a step; whether anybody reads it must not keep the next step from being done.
     pub(super) fn say(&mut self, text: &str) {
         if !self.is_dry() {
-            self.unsaid = self.unsaid.take().or(writeln!(io::stdout().lock(), "{text}").err());
+            self.unsaid =
+                self.unsaid.take().or(Outlet::Output.write(&format!("{text}\n"), None).err());
         }
     }
 
@@ -71,7 +73,7 @@ impl Session {
         if let Line::Live(bus) = &mut self.line {
             bus.put_back(&self.channel)?;
         }
-        self.unsaid.map_or(Ok(()), |error| Err(Trouble::Output(error)))
+        self.unsaid.map_or(Ok(()), |error| Err(error.into()))
     }
 
     /// What an error of the channel means: the signal, if one came.
@@ -205,5 +207,5 @@ impl Session {
 /// A frame as candump writes it, and what it is.
 fn show(frame: &Frame, what: &str) -> io::Result<()> {
     let bytes: String = frame.data().iter().map(|byte| format!("{byte:02X}")).collect();
-    writeln!(io::stdout().lock(), "{}#{bytes}  {what}", frame.id())
+    Outlet::Output.write(&format!("{}#{bytes}  {what}\n", frame.id()), None)
 }

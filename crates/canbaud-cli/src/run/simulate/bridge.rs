@@ -1,6 +1,5 @@
 //! The bus behind a channel of this machine: vcan, an interface, an adapter, UDP multicast.
 
-use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
@@ -17,6 +16,7 @@ use canbaud_sim::{BitTiming, Event, Mode, NodeConfig, NodeId, Span, Time};
 use super::Outcome;
 use super::args::SimulateArgs;
 use super::told::Told;
+use crate::outlet::Outlet;
 use crate::run::lss::{Channel, Trouble, Watched, report};
 use crate::tell::tell;
 
@@ -153,14 +153,7 @@ impl Bridge {
     }
 
     fn show(&mut self) -> Result<()> {
-        let lines = self.told.take();
-        if !lines.is_empty() {
-            let mut out = io::stdout().lock();
-            for line in lines {
-                writeln!(out, "{line}")?;
-            }
-            out.flush()?;
-        }
-        Ok(())
+        let lines: String = self.told.take().iter().map(|line| format!("{line}\n")).collect();
+        Ok(Outlet::Output.write(&lines, None)?)
     }
 }
