@@ -4,6 +4,7 @@
 mod args;
 mod exit;
 mod judge;
+mod outlet;
 mod output;
 mod printable;
 mod report;

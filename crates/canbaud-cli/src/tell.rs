@@ -1,7 +1,7 @@
 //! Lines for people, on the standard error. Whoever closed the other end is not waited for, and
 //! nothing here panics: what was changed must still be put back.
 
-use std::io::{self, Write};
+use crate::outlet::Outlet;
 
 /// A line on the standard error.
 macro_rules! tell {
@@ -11,5 +11,5 @@ pub(crate) use tell;
 
 /// `text` as it is.
 pub(crate) fn error(text: &str) {
-    let _ = io::stderr().lock().write_all(text.as_bytes());
+    let _ = Outlet::Errors.write(text, None);
 }

@@ -116,3 +116,39 @@ pub(crate) fn file(directory: &Path, name: &str, content: &str) -> PathBuf {
     std::fs::write(&path, content).unwrap();
     path
 }
+
+/// A pipe that nobody reads: it takes a page more, and then nothing.
+#[cfg(unix)]
+pub(crate) fn unread() -> (std::io::PipeReader, std::io::PipeWriter) {
+    use rustix::event::{PollFd, PollFlags, Timespec, poll};
+    use std::io::{Read, Write};
+    let (mut reader, mut writer) = std::io::pipe().unwrap();
+    let page = [b'\n'; 4096];
+    while poll(&mut [PollFd::new(&writer, PollFlags::OUT)], Some(&Timespec::default())) == Ok(1) {
+        writer.write_all(&page).unwrap();
+    }
+    reader.read_exact(&mut page.clone()).unwrap();
+    (reader, writer)
+}
+
+/// Fills what is left of the page; goes on until the reader is gone.
+#[cfg(unix)]
+pub(crate) fn fill(mut writer: std::io::PipeWriter) {
+    use std::io::Write;
+    std::thread::spawn(move || while writer.write_all(&[b'\n'; 64]).is_ok() {});
+    std::thread::sleep(std::time::Duration::from_millis(500));
+}
+
+/// The exit code of a process that has to end now.
+#[cfg(unix)]
+#[track_caller]
+pub(crate) fn code(child: &mut std::process::Child) -> Option<i32> {
+    for _ in 0..1500 {
+        if let Some(status) = child.try_wait().unwrap() {
+            return status.code();
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    child.kill().unwrap();
+    panic!("it does not end");
+}

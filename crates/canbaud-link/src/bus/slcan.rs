@@ -15,6 +15,15 @@ use crate::slcan::{Answer, Channel, Firmware, Heard, LINE_MAX, print, rate_comma
 pub struct SlcanBus {
     channel: Channel,
     firmware: Firmware,
+    state: State,
+}
+
+/// Of the adapter's channel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    Closed,
+    /// It may take part in the traffic.
+    Open,
 }
 
 impl SlcanBus {
@@ -25,7 +34,7 @@ impl SlcanBus {
     pub fn open(path: &str, baud: u32, bitrate: Bitrate) -> Result<Self, LinkError> {
         let mut channel = Channel::open(path, baud)?;
         let firmware = channel.identify()?;
-        let mut bus = Self { channel, firmware };
+        let mut bus = Self { channel, firmware, state: State::Closed };
         bus.start(bitrate)?;
         Ok(bus)
     }
@@ -37,6 +46,8 @@ impl SlcanBus {
             LinkError::Rate { adapter, rate: bitrate, reason }
         })?;
         self.must(&set.text)?;
+        // Also if the answer does not come.
+        self.state = State::Open;
         self.must("O")
     }
 
@@ -55,10 +66,12 @@ impl SlcanBus {
     }
 
     fn close(&mut self) -> Result<(), LinkError> {
-        match self.firmware {
-            Firmware::CanableStock => self.channel.tell(b"C\r")?,
-            _ => drop(self.channel.command("C")?),
+        match self.must("C") {
+            // It was closed already.
+            Ok(()) | Err(LinkError::Refused { .. }) => {}
+            Err(error) => return Err(error),
         }
+        self.state = State::Closed;
         self.channel.clear();
         Ok(())
     }
@@ -91,11 +104,30 @@ impl FrameBus for SlcanBus {
         self.close()?;
         self.start(bitrate)
     }
+
+    fn restore(&mut self) -> Result<bool, LinkError> {
+        if self.state == State::Open {
+            match self.close() {
+                // What is gone takes part in nothing.
+                Ok(()) | Err(LinkError::Gone { .. }) => self.state = State::Closed,
+                Err(error) => {
+                    let adapter = self.channel.name().to_owned();
+                    return Err(LinkError::NotRestored { adapter, reason: error.to_string() });
+                }
+            }
+        }
+        // A closed channel is how every adapter is left: nothing to speak of.
+        Ok(false)
+    }
+
+    fn by_hand(&self) -> Option<String> {
+        Some(format!("printf 'C\\r' > {}, or unplug it", self.channel.name()))
+    }
 }
 
 impl Drop for SlcanBus {
     fn drop(&mut self) {
         // On a way out that already has something else to say.
-        let _ = self.close();
+        let _ = self.restore();
     }
 }

@@ -21,8 +21,19 @@ struct State {
     link: Link,
     /// Refuses this nominal bit rate from now on.
     refused: Option<u32>,
+    takes: Takes,
     /// Every bit rate that the interface was up with, and whether it only listened.
     up_at: Vec<(u32, bool)>,
+}
+
+/// What a driver takes of a bit timing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Takes {
+    Everything,
+    /// The bit rate; the others are its own, whatever is asked for.
+    RateOnly,
+    /// All but the SJW, which is 1.
+    AllButSjw,
 }
 
 impl Mock {
@@ -52,7 +63,12 @@ impl Mock {
             kind: Some("can".to_owned()),
             can: Some(can),
         };
-        Self(Arc::new(Mutex::new(State { link, refused: None, up_at: Vec::new() })))
+        Self(Arc::new(Mutex::new(State {
+            link,
+            refused: None,
+            takes: Takes::Everything,
+            up_at: Vec::new(),
+        })))
     }
 
     /// The interface as it is now.
@@ -63,6 +79,16 @@ impl Mock {
     /// From now on it takes this nominal bit rate no more.
     pub(crate) fn refuse(&self, bitrate: u32) {
         self.state().refused = Some(bitrate);
+    }
+
+    /// From now on sample point and SJW are those that it chooses.
+    pub(crate) fn take_rates_only(&self) {
+        self.state().takes = Takes::RateOnly;
+    }
+
+    /// From now on the SJW is 1.
+    pub(crate) fn take_no_sjw(&self) {
+        self.state().takes = Takes::AllButSjw;
     }
 
     /// What the interface was up with since: bit rate, and whether it only listened.
@@ -103,7 +129,12 @@ impl State {
             can.ctrlmode = can.ctrlmode & !mask | values & mask;
         }
         if let Some(asked) = change.timing {
-            let timing = calculate(asked)?;
+            let timing = calculate(match self.takes {
+                Takes::Everything => asked,
+                Takes::AllButSjw => TimingInfo { sjw: 1, ..asked },
+                Takes::RateOnly if asked.bitrate == 0 => return Err(EINVAL),
+                Takes::RateOnly => TimingInfo { bitrate: asked.bitrate, ..TimingInfo::default() },
+            })?;
             if self.refused == Some(timing.bitrate) {
                 return Err(EINVAL);
             }

@@ -163,15 +163,34 @@ impl Saved {
             let (is, was) = (can.ctrlmode, self.ctrlmode);
             return Some(format!("its control mode is {is:#x}, it was {was:#x}"));
         }
-        let pairs = [(self.timing, can.timing), (self.data_timing, can.data_timing)];
-        pairs.into_iter().find_map(|(was, is)| {
-            let was = was?;
-            let is = is.unwrap_or_default();
-            (is.bitrate != was.bitrate).then(|| {
-                format!("its bit rate is {} bit/s, it was {} bit/s", is.bitrate, was.bitrate)
-            })
+        let pairs = [("", self.timing, can.timing), ("data ", self.data_timing, can.data_timing)];
+        pairs.into_iter().find_map(|(phase, was, is)| {
+            let what = unlike(was?, is.unwrap_or_default())?;
+            Some(format!("its {phase}{what}"))
         })
     }
+}
+
+/// In what `is` is another bit timing than `was`; what was not read of that is not compared. How many
+/// TQ make the same times is no difference.
+fn unlike(was: TimingInfo, is: TimingInfo) -> Option<String> {
+    // In ticks of the controller's clock; a controller with fixed rates has no prescaler.
+    let sjw_ticks = |timing: TimingInfo| timing.sjw.saturating_mul(timing.brp.max(1));
+    if is.bitrate != was.bitrate {
+        return Some(format!("bit rate is {} bit/s, it was {} bit/s", is.bitrate, was.bitrate));
+    }
+    if was.sample_point != 0 && is.sample_point != was.sample_point {
+        let (is, was) = (percent(is.sample_point), percent(was.sample_point));
+        return Some(format!("sample point is {is}, it was {was}"));
+    }
+    (was.sjw != 0 && sjw_ticks(is) != sjw_ticks(was)).then(|| {
+        let of = |timing: TimingInfo| format!("{} TQ of {} ns", timing.sjw, timing.tq);
+        format!("SJW is {}, it was {}", of(is), of(was))
+    })
+}
+
+fn percent(permille: u32) -> String {
+    format!("{}.{} %", permille / 10, permille % 10)
 }
 
 /// How to say a bit timing to the kernel.

@@ -10,7 +10,7 @@ mod source;
 mod stop;
 mod watch;
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, IsTerminal};
 
 use canbaud::detect::scan::{Candidate, Capture};
 use canbaud::units::Bitrate;
@@ -19,13 +19,14 @@ use canbaud_link::{After, Clock, LinkError};
 use super::failure::unwritable;
 use crate::args::{DetectArgs, When};
 use crate::exit::Exit;
+use crate::outlet::Outlet;
 use crate::output::{Detail, live_json, live_text};
 use crate::report::{LiveRate, LiveReport};
 
 pub(crate) use args::LiveArgs;
 pub(super) use failure::link_error;
 pub(crate) use source::LiveSource;
-pub(crate) use stop::Stop;
+pub(crate) use stop::{Stop, signal};
 
 use crate::tell::tell;
 use find::{Ended, Finding};
@@ -111,6 +112,9 @@ fn conclude(
     };
     let mut exit = Exit::from(report.outcome);
     if let Err(error) = write(args, &report, color) {
+        if let (io::ErrorKind::Interrupted, Some(signal)) = (error.kind(), stop.signal()) {
+            return stopped(signal);
+        }
         exit = exit.max(unwritable("standard output", &error));
     }
     if let Some((candidate, after)) = &left.kept {
@@ -145,8 +149,7 @@ fn found(report: &LiveReport) -> Option<Candidate> {
 }
 
 fn write(args: &DetectArgs, report: &LiveReport, color: When) -> io::Result<()> {
-    let stdout = io::stdout();
-    let paint = super::detect::paint(color, stdout.is_terminal());
+    let paint = super::detect::paint(color, io::stdout().is_terminal());
     let detail = if args.quiet { Detail::Brief } else { Detail::Full };
     let mut text = String::new();
     if args.json {
@@ -165,7 +168,7 @@ fn write(args: &DetectArgs, report: &LiveReport, color: When) -> io::Result<()> 
             text.push_str(&configuration);
         }
     }
-    stdout.lock().write_all(text.as_bytes())
+    Outlet::Output.write(&text, None)
 }
 
 fn fail(args: &DetectArgs, source: &LiveSource, error: &LinkError) -> Exit {
@@ -173,7 +176,7 @@ fn fail(args: &DetectArgs, source: &LiveSource, error: &LinkError) -> Exit {
         let mut line = String::new();
         live_json::push_error(&mut line, &source.to_string(), error);
         // Whoever reads is told on the standard error, too.
-        let _ = io::stdout().lock().write_all(line.as_bytes());
+        let _ = Outlet::Output.write(&line, None);
     }
     link_error(error)
 }

@@ -1,8 +1,8 @@
 //! What is shown while a scan runs: a line that changes for a person, lines that stay for a log,
 //! events for a program.
 
-use std::io::{self, IsTerminal, Write};
-use std::time::Duration;
+use std::io::{self, IsTerminal};
+use std::time::{Duration, Instant};
 
 use canbaud::detect::scan::{Activity, Candidate, Capture, Scan, Standing};
 use canbaud::units::Micros;
@@ -11,8 +11,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use super::plan::{Plan, ROOM};
 use super::source::LiveSource;
 use crate::args::DetectArgs;
+use crate::outlet::Outlet;
 use crate::output::{bitrate, count, live_json};
-use crate::tell::tell;
 
 /// A person's line changes, and evidence is told, this often at most.
 const REFRESH: Micros = Micros::from_ms(100);
@@ -40,6 +40,8 @@ pub(super) struct Watch {
     refresh: Micros,
     /// Whether events still have somebody to go to, or the interface is to be set all the same.
     reader: Reader,
+    /// The end of the time that was given: longer nobody is waited for.
+    until: Option<Instant>,
 }
 
 /// The rate that is listened at.
@@ -87,6 +89,11 @@ impl Watch {
             visit: None,
             standing: None,
             refresh: Micros(0),
+            // No end that can be told is none.
+            until: args
+                .live
+                .limit()
+                .and_then(|limit| Instant::now().checked_add(Duration::from_micros(limit.0))),
             reader: if args.live.apply { Reader::Needless } else { Reader::There },
         }
     }
@@ -164,6 +171,7 @@ impl Watch {
         }
         if let Viewer::Person(bar) = &self.viewer
             && (changed || now >= self.refresh)
+            && Outlet::Errors.is_read()
         {
             bar.set_message(line(scan, now, &candidate, standing.as_ref(), confirming));
             bar.tick();
@@ -174,25 +182,39 @@ impl Watch {
     /// Takes the changing line away.
     pub(super) fn finish(&self) {
         if let Viewer::Person(bar) = &self.viewer {
+            // Who has stopped the terminal is not waited for.
+            if !Outlet::Errors.is_read() {
+                bar.set_draw_target(ProgressDrawTarget::hidden());
+            }
             bar.finish_and_clear();
         }
     }
 
-    /// Writes events at once.
+    /// Writes events at once; they are lost where the scan must not wait for its reader any more.
     fn emit(&mut self, lines: &str) {
-        let mut out = io::stdout().lock();
-        let written = out.write_all(lines.as_bytes()).and_then(|()| out.flush());
-        if written.is_err() && self.reader == Reader::There {
+        let lost = match Outlet::Output.write(lines, self.until) {
+            Ok(()) => false,
+            Err(error) => !is_impatience(&error),
+        };
+        if lost && self.reader == Reader::There {
             self.reader = Reader::Gone;
         }
     }
 
     fn say(&self, text: &str) {
+        // Who closed the other end wants no log.
+        let say = || drop(Outlet::Errors.write(&format!("{text}\n"), self.until));
         match &self.viewer {
-            Viewer::Person(bar) => bar.suspend(|| tell!("{text}")),
-            _ => tell!("{text}"),
+            Viewer::Person(bar) if Outlet::Errors.is_read() => bar.suspend(say),
+            Viewer::Person(_) => {}
+            _ => say(),
         }
     }
+}
+
+/// Whether there is a reader, who could not be waited for.
+fn is_impatience(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::Interrupted | io::ErrorKind::TimedOut)
 }
 
 fn bar() -> ProgressBar {
@@ -200,7 +222,6 @@ fn bar() -> ProgressBar {
     if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}") {
         bar.set_style(style);
     }
-    bar.enable_steady_tick(Duration::from_millis(250));
     bar
 }
 

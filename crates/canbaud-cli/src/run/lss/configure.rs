@@ -1,6 +1,6 @@
 //! The commands about one device.
 
-use std::io::{self, Write};
+use std::io;
 use std::time::{Duration, Instant};
 
 use canbaud::lss::{LssAddress, RateSetting, Service, ServiceError};
@@ -12,6 +12,7 @@ use super::args::{AutoArgs, InquireArgs, SetBitrateArgs, SetNodeIdArgs, StoreArg
 use super::parse::TableIndex;
 use super::session::Session;
 use super::trouble::Trouble;
+use crate::outlet::Outlet;
 use crate::tell::tell;
 
 /// How long a device with a fixed bit rate may take to be back.
@@ -33,7 +34,6 @@ pub(super) fn inquire(args: &InquireArgs, session: &mut Session) -> Result<(), T
 }
 
 fn tell(as_json: bool, address: LssAddress, node_id: u8) -> io::Result<()> {
-    let mut out = io::stdout().lock();
     if as_json {
         let object = json!({
             "vendor_id": address.vendor_id,
@@ -42,12 +42,13 @@ fn tell(as_json: bool, address: LssAddress, node_id: u8) -> io::Result<()> {
             "serial_number": address.serial_number,
             "node_id": node_id,
         });
-        return writeln!(out, "{object}");
+        return Outlet::Output.write(&format!("{object}\n"), None);
     }
-    match node_id {
-        255 => writeln!(out, "{address}  no node-ID"),
-        id => writeln!(out, "{address}  node-ID {id}"),
-    }
+    let line = match node_id {
+        255 => format!("{address}  no node-ID\n"),
+        id => format!("{address}  node-ID {id}\n"),
+    };
+    Outlet::Output.write(&line, None)
 }
 
 /// `set-node-id`.

@@ -9,10 +9,12 @@ mod scan;
 mod serve;
 mod session;
 mod trouble;
+mod watched;
 
 pub(crate) use args::{LSS_HELP, LssArgs};
 pub(crate) use channel::Channel;
 pub(crate) use trouble::Trouble;
+pub(crate) use watched::Watched;
 
 use std::io;
 
@@ -42,7 +44,7 @@ pub(crate) fn lss(args: &LssArgs) -> Exit {
 }
 
 /// Says what went wrong, and gives its exit code.
-fn report(trouble: &Trouble) -> Exit {
+pub(crate) fn report(trouble: &Trouble) -> Exit {
     match trouble {
         Trouble::Link(error) => return link_error(error),
         // A reader that has seen enough is told nothing.

@@ -1,6 +1,6 @@
 //! `canbaud lss scan`.
 
-use std::io::{self, Write};
+use std::io;
 use std::time::Instant;
 
 use canbaud::lss::{FastscanOptions, Found, LssAddress, LssState, NodeId, Service};
@@ -9,6 +9,7 @@ use serde_json::json;
 use super::args::ScanArgs;
 use super::session::Session;
 use super::trouble::Trouble;
+use crate::outlet::Outlet;
 
 /// Finds devices until none answers; all are in waiting afterwards.
 pub(super) fn scan(args: &ScanArgs, session: &mut Session) -> Result<(), Trouble> {
@@ -65,7 +66,6 @@ fn assign(args: &ScanArgs, session: &mut Session, id: u8) -> Result<u8, Trouble>
 }
 
 fn tell(args: &ScanArgs, found: &Found, node_id: Option<u8>, seconds: f64) -> io::Result<()> {
-    let mut out = io::stdout().lock();
     let statistics = found.statistics;
     if args.line.json {
         let object = json!({
@@ -81,9 +81,10 @@ fn tell(args: &ScanArgs, found: &Found, node_id: Option<u8>, seconds: f64) -> io
             "longest_answer_s": statistics.longest_answer.0 as f64 / 1e6,
             "seconds": seconds,
         });
-        return writeln!(out, "{object}");
+        return Outlet::Output.write(&format!("{object}\n"), None);
     }
     let given = node_id.map_or_else(String::new, |id| format!("  node-ID {id}"));
-    writeln!(out, "{}{given}  ({} requests, {seconds:.2} s)", found.address, statistics.requests)?;
-    out.flush()
+    let (address, requests) = (found.address, statistics.requests);
+    let line = format!("{address}{given}  ({requests} requests, {seconds:.2} s)\n");
+    Outlet::Output.write(&line, None)
 }

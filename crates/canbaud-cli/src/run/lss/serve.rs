@@ -1,7 +1,6 @@
 //! `canbaud lss serve`: devices for a master to be tried against.
 
 use std::collections::VecDeque;
-use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 use canbaud::lss::{
@@ -16,6 +15,7 @@ use canbaud_link::bus::FrameBus;
 use super::args::ServeArgs;
 use super::session::Session;
 use super::trouble::Trouble;
+use crate::outlet::Outlet;
 
 /// Longest wait for a frame.
 const SLICE: Duration = Duration::from_millis(50);
@@ -162,6 +162,5 @@ impl Device {
 
 /// A line for whoever watches; a closed pipe is nobody's problem.
 fn told(what: &str) {
-    let mut out = io::stdout().lock();
-    let _ = writeln!(out, "{what}").and_then(|()| out.flush());
+    let _ = Outlet::Output.write(&format!("{what}\n"), None);
 }

@@ -1,6 +1,6 @@
 //! A master on a channel, or one that only shows its frames.
 
-use std::io::{self, Write};
+use std::io;
 use std::time::Duration;
 
 use canbaud::lss::{
@@ -15,48 +15,9 @@ use canbaud_link::lss::{Activated, Master, MasterError};
 use super::args::{DeviceArgs, LineArgs};
 use super::channel::Channel;
 use super::trouble::{Trouble, name};
-use crate::run::live::Stop;
+use super::watched::Watched;
+use crate::outlet::Outlet;
 use crate::tell::tell;
-
-/// A channel that is given up when a signal comes.
-struct Watched {
-    bus: Box<dyn FrameBus>,
-    stop: Stop,
-}
-
-impl FrameBus for Watched {
-    fn send(&mut self, frame: &Frame) -> Result<(), LinkError> {
-        self.bus.send(frame)
-    }
-
-    fn receive(&mut self, timeout: Duration) -> Result<Option<Frame>, LinkError> {
-        if self.stop.signal().is_some() {
-            let source = io::ErrorKind::Interrupted.into();
-            return Err(LinkError::Io { what: "receiving".to_owned(), source });
-        }
-        self.bus.receive(timeout)
-    }
-
-    fn set_bitrate(&mut self, bitrate: Bitrate) -> Result<(), LinkError> {
-        self.bus.set_bitrate(bitrate)
-    }
-
-    fn is_virtual(&self) -> bool {
-        self.bus.is_virtual()
-    }
-
-    fn keep(&mut self) -> bool {
-        self.bus.keep()
-    }
-
-    fn restore(&mut self) -> Result<bool, LinkError> {
-        self.bus.restore()
-    }
-
-    fn by_hand(&self) -> Option<String> {
-        self.bus.by_hand()
-    }
-}
 
 /// What the frames go out on.
 enum Line {
@@ -81,10 +42,9 @@ impl Session {
         let line = if args.dry_run {
             Line::Dry
         } else if args.transmit {
-            let stop = Stop::install()?;
-            let bus = channel.open(args.own_bitrate)?;
+            let bus = Watched::open(&channel, args.own_bitrate)?;
             tell!("canbaud: transmits on {channel}");
-            Line::Live(Watched { bus, stop })
+            Line::Live(bus)
         } else {
             return Err(Trouble::NotAllowed(channel.to_string()));
         };
@@ -94,7 +54,8 @@ impl Session {
     /// What came of a step; whether anybody reads it must not keep the next step from being done.
     pub(super) fn say(&mut self, text: &str) {
         if !self.is_dry() {
-            self.unsaid = self.unsaid.take().or(writeln!(io::stdout().lock(), "{text}").err());
+            self.unsaid =
+                self.unsaid.take().or(Outlet::Output.write(&format!("{text}\n"), None).err());
         }
     }
 
@@ -110,21 +71,15 @@ impl Session {
     /// Puts the channel back as it was found, and says what happened.
     pub(super) fn end(mut self) -> Result<(), Trouble> {
         if let Line::Live(bus) = &mut self.line {
-            match bus.restore() {
-                Ok(true) => tell!("canbaud: {} is put back as it was found", self.channel),
-                Ok(false) => {}
-                Err(error) => return Err(Trouble::NotRestored(error, bus.by_hand())),
-            }
+            bus.put_back(&self.channel)?;
         }
-        self.unsaid.map_or(Ok(()), |error| Err(Trouble::Output(error)))
+        self.unsaid.map_or(Ok(()), |error| Err(error.into()))
     }
 
     /// What an error of the channel means: the signal, if one came.
     pub(super) fn trouble(&self, error: LinkError) -> Trouble {
         match &self.line {
-            Line::Live(Watched { stop, .. }) => {
-                stop.signal().map_or(Trouble::Link(error), Trouble::Stopped)
-            }
+            Line::Live(bus) => bus.trouble(error),
             Line::Dry => Trouble::Link(error),
         }
     }
@@ -252,5 +207,5 @@ impl Session {
 /// A frame as candump writes it, and what it is.
 fn show(frame: &Frame, what: &str) -> io::Result<()> {
     let bytes: String = frame.data().iter().map(|byte| format!("{byte:02X}")).collect();
-    writeln!(io::stdout().lock(), "{}#{bytes}  {what}", frame.id())
+    Outlet::Output.write(&format!("{}#{bytes}  {what}\n", frame.id()), None)
 }

@@ -9,6 +9,7 @@ use canbaud_link::LinkError;
 
 use crate::exit::Exit;
 use crate::printable::printable;
+use crate::run::live::signal;
 
 /// What went wrong.
 #[derive(Debug)]
@@ -45,7 +46,10 @@ impl From<LinkError> for Trouble {
 
 impl From<io::Error> for Trouble {
     fn from(error: io::Error) -> Self {
-        Self::Output(error)
+        match (error.kind(), signal()) {
+            (io::ErrorKind::Interrupted, Some(signal)) => Self::Stopped(signal),
+            _ => Self::Output(error),
+        }
     }
 }
 

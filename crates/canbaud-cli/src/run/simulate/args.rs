@@ -21,7 +21,10 @@ Examples:
 
 Exit codes:
   0  the scenario ran as it expects          3  an expectation was not met
-  2  wrong command line or scenario          5  a file cannot be read or written")]
+  2  wrong command line or scenario          5  a file cannot be read or written
+With --bridge also:
+  6  no permission                           7  the channel cannot be used, or is not as it was found
+  128+n  ended by signal n; the channel is put back")]
 pub(crate) struct SimulateArgs {
     /// Scenario file (TOML)
     #[arg(value_name = "SCENARIO")]
@@ -87,7 +90,8 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "CHANNEL", requires = "bridge")]
     pub(crate) on: Option<Channel>,
 
-    /// Bit rate to open a serial adapter at, for the bridge
+    /// Bit rate of the bridge's channel: a serial adapter is opened at it, an interface (can0) is set
+    /// to it, for as long as the bridge is there
     #[arg(long, value_name = "RATE", requires = "on")]
     pub(crate) bitrate: Option<Bitrate>,
 

@@ -1,14 +1,14 @@
 //! The bus behind a channel of this machine: vcan, an interface, an adapter, UDP multicast.
 
-use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, bail};
 use canbaud::lss::{RateSetting, Request};
 use canbaud::timing::default_sample_point;
 use canbaud::units::{Bitrate, Permille};
 use canbaud::wire::Frame;
 use canbaud_lab::Autonomous;
+use canbaud_link::LinkError;
 use canbaud_link::bus::FrameBus;
 use canbaud_sim::scenario::{Run, Scenario};
 use canbaud_sim::{BitTiming, Event, Mode, NodeConfig, NodeId, Span, Time};
@@ -16,13 +16,14 @@ use canbaud_sim::{BitTiming, Event, Mode, NodeConfig, NodeId, Span, Time};
 use super::Outcome;
 use super::args::SimulateArgs;
 use super::told::Told;
-use crate::run::lss::Channel;
+use crate::outlet::Outlet;
+use crate::run::lss::{Channel, Trouble, Watched, report};
 use crate::tell::tell;
 
 /// The bus runs this far at a time.
 const SLICE: Span = Span::from_us(500);
 
-/// Serves until the end of the scenario.
+/// Serves until the end of the scenario, or until a signal comes; the channel is put back.
 pub(super) fn serve(
     args: &SimulateArgs,
     scenario: &Scenario,
@@ -39,12 +40,28 @@ pub(super) fn serve(
     let mut run = Run::with(scenario, args.seed.unwrap_or(scenario.seed), &Autonomous)?;
     run.sim_mut().reconfigure_at(Time::ZERO, node, config)?;
     run.hold_news(node);
-    let bus = channel.open(args.bitrate).map_err(|trouble| anyhow!("{trouble}"))?;
+    let bus = match Watched::open(channel, args.bitrate) {
+        Ok(bus) => bus,
+        Err(trouble) => return Ok(Outcome::Channel(report(&trouble))),
+    };
     tell!("canbaud: transmits on {channel} what node \"{name}\" receives");
     let follow = if bus.is_virtual() { Follow::Activations } else { Follow::Nothing };
     let told = Told::new(scenario.node_names());
-    Bridge { run, node, bus, follow, pending: None, told }.serve()?;
-    Ok(Outcome::Good)
+    let mut bridge = Bridge { run, node, bus, follow, pending: None, told };
+    let served = bridge.serve();
+    // Before anything is said: who reads may be slow, or gone.
+    let put_back = bridge.bus.put_back(channel);
+    let ended = bridge.ended(served);
+    match put_back {
+        Ok(()) => ended,
+        Err(trouble) => {
+            // Of two troubles both are said.
+            if let Err(error) = &ended {
+                tell!("canbaud: {error:#}");
+            }
+            Ok(Outcome::Channel(report(&trouble)))
+        }
+    }
 }
 
 /// What the node in the scenario goes along with.
@@ -60,7 +77,7 @@ enum Follow {
 struct Bridge {
     run: Run,
     node: NodeId,
-    bus: Box<dyn FrameBus>,
+    bus: Watched,
     follow: Follow,
     /// The bit rate that a device was set to last.
     pending: Option<Bitrate>,
@@ -68,7 +85,7 @@ struct Bridge {
 }
 
 impl Bridge {
-    fn serve(mut self) -> Result<()> {
+    fn serve(&mut self) -> Result<()> {
         let (began, end) = (Instant::now(), self.run.end());
         while self.run.sim().now() < end {
             let until = (self.run.sim().now() + SLICE).min(end);
@@ -89,6 +106,18 @@ impl Bridge {
             }
         }
         Ok(())
+    }
+
+    /// What it came to; what a signal interrupted is its doing.
+    fn ended(&self, served: Result<()>) -> Result<Outcome> {
+        if let Some(signal) = self.bus.signal() {
+            return Ok(Outcome::Channel(report(&Trouble::Stopped(signal))));
+        }
+        match served.map_err(anyhow::Error::downcast::<LinkError>) {
+            Ok(()) => Ok(Outcome::Good),
+            Err(Ok(error)) => Ok(Outcome::Channel(report(&Trouble::Link(error)))),
+            Err(Err(other)) => Err(other),
+        }
     }
 
     fn forward(&mut self, frame: Frame) -> Result<()> {
@@ -124,14 +153,7 @@ impl Bridge {
     }
 
     fn show(&mut self) -> Result<()> {
-        let lines = self.told.take();
-        if !lines.is_empty() {
-            let mut out = io::stdout().lock();
-            for line in lines {
-                writeln!(out, "{line}")?;
-            }
-            out.flush()?;
-        }
-        Ok(())
+        let lines: String = self.told.take().iter().map(|line| format!("{line}\n")).collect();
+        Ok(Outlet::Output.write(&lines, None)?)
     }
 }

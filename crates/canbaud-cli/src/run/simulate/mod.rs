@@ -24,9 +24,13 @@ enum Outcome {
     Good,
     /// An expectation of the scenario was not met, or the law of the bus was broken.
     Missed,
+    /// The channel of a bridge is the cause, and that is said.
+    Channel(Exit),
 }
 
-/// Exit codes: 0 good, 2 bad scenario, 3 expectation missed, 5 a file cannot be read or written.
+/// Exit codes: 0 good, 2 bad scenario, 3 expectation missed, 5 a file cannot be read or written;
+/// of a bridge also 6 no permission, 7 the channel cannot be used or is not as it was found, and
+/// 128 + n when signal n ended it.
 pub(crate) fn simulate(args: &SimulateArgs) -> Exit {
     let name = args.scenario.display().to_string();
     let text = match std::fs::read_to_string(&args.scenario) {
@@ -57,6 +61,7 @@ pub(crate) fn simulate(args: &SimulateArgs) -> Exit {
     match dispatch(args, &scenario) {
         Ok(Outcome::Good) => Exit::Found,
         Ok(Outcome::Missed) => Exit::Undecided,
+        Ok(Outcome::Channel(exit)) => exit,
         // A reader that has seen enough is no trouble.
         Err(error) if is_closed_pipe(&error) => Exit::Found,
         Err(error) => {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::socketcan::mock::{CHOSEN, Mock};
 use crate::socketcan::netlink::{LinkFlags, TimingConst};
 
 const TIMING: TimingInfo = TimingInfo {
@@ -99,4 +100,40 @@ fn the_way_back_by_hand_is_what_ip_link_takes() {
         "ip link set can1 down; ip link set can1 type can dbitrate 2000000 dsample-point 0.750 \
          dsjw 1 listen-only off fd on"
     );
+}
+
+/// What is said of an interface that a driver with `trouble` puts back.
+fn said_of(trouble: fn(&Mock)) -> Option<String> {
+    let mut kernel = Mock::up(CHOSEN);
+    let found = kernel.now();
+    trouble(&kernel);
+    let restored = Saved::of(&found).restore(&mut kernel, &found);
+    // In the right state it is up again, in no other.
+    assert_eq!(kernel.now().flags.is_up(), restored.is_ok());
+    restored.err().map(|error| error.to_string())
+}
+
+#[test]
+fn another_sample_point_or_sjw_is_not_what_was_found() {
+    let lead = "can0 could not be put back as it was found: its";
+    assert_eq!(said_of(|_| ()), None);
+    let said = said_of(Mock::take_rates_only).unwrap();
+    assert_eq!(said, format!("{lead} sample point is 87.5 %, it was 75.0 %"));
+    let said = said_of(Mock::take_no_sjw).unwrap();
+    assert_eq!(said, format!("{lead} SJW is 1 TQ of 250 ns, it was 3 TQ of 250 ns"));
+}
+
+#[test]
+fn the_same_times_in_other_quanta_are_what_was_found() {
+    let found = Saved::of(&link(0, Some(CHOSEN)));
+    // 8 TQ of 500 ns cannot have the SJW of 750 ns; one of 16 TQ in another split can.
+    let split = TimingInfo { prop_seg: 5, phase_seg1: 6, ..CHOSEN };
+    assert_eq!(found.difference(&link(0, Some(split))), None);
+    let halved =
+        TimingInfo { tq: 500, prop_seg: 3, phase_seg1: 2, phase_seg2: 2, brp: 4, ..CHOSEN };
+    let said = found.difference(&link(0, Some(halved))).unwrap();
+    assert_eq!(said, "its SJW is 3 TQ of 500 ns, it was 3 TQ of 250 ns");
+    let finer = TimingInfo { tq: 125, prop_seg: 12, phase_seg1: 11, brp: 1, ..CHOSEN };
+    let finer = TimingInfo { phase_seg2: 8, sjw: 6, ..finer };
+    assert_eq!(found.difference(&link(0, Some(finer))), None);
 }
