@@ -196,6 +196,17 @@ lss = { vendor_id = 0x29C, product_code = 1, revision_number = 0x10002, serial_n
         let (code, out, err) = bus.lss("250k", &["inquire", "--address", VALVE, "--json"]);
         assert_eq!(code, 0, "{err}");
         assert_eq!(numbers(&out)["node_id"], 10);
+        let words = ["set-node-id", "11", "--address", VALVE, "--json"];
+        let (code, out, err) = bus.lss("250k", &words);
+        assert_eq!(code, 0, "{err}");
+        assert!(numbers(&out)["done"].as_str().unwrap().contains("11"), "{out}");
+        let output = canbaud(&["lss", "inquire", "--on", "can7", "--dry-run", "--json"]);
+        let out = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(0), "{out}");
+        assert!(
+            out.lines().count() > 1 && out.lines().all(|line| !numbers(line).is_null()),
+            "{out}"
+        );
         let (code, _, err) = bus.lss("250k", &["set-bitrate", "auto", "--address", VALVE]);
         assert_eq!((code, err.contains("bit timing not supported (error 1)")), (3, true), "{err}");
         let table = ["set-bitrate", "--table", "128", "--index", "0", "--address", VALVE];

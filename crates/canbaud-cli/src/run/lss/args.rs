@@ -100,7 +100,7 @@ pub(crate) struct LineArgs {
     #[arg(long, value_name = "TIME", default_value = "1ms", value_parser = pause)]
     pub(crate) inhibit: Micros,
 
-    /// Print one JSON object a line per device
+    /// Print one JSON object a line: per device, per thing done, per frame of a dry run
     #[arg(long)]
     pub(crate) json: bool,
 }

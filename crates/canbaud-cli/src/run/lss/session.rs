@@ -11,6 +11,7 @@ use canbaud::wire::Frame;
 use canbaud_link::LinkError;
 use canbaud_link::bus::FrameBus;
 use canbaud_link::lss::{Activated, Master, MasterError};
+use serde_json::json;
 
 use super::args::{DeviceArgs, LineArgs};
 use super::channel::Channel;
@@ -30,6 +31,7 @@ pub(super) struct Session {
     line: Line,
     channel: Channel,
     pace: Pace,
+    form: Form,
     /// Why something could not be said; what was begun goes on all the same.
     unsaid: Option<io::Error>,
 }
@@ -48,14 +50,18 @@ impl Session {
         } else {
             return Err(Trouble::NotAllowed(channel.to_string()));
         };
-        Ok(Self { line, channel, pace, unsaid: None })
+        let form = if args.json { Form::Json } else { Form::Text };
+        Ok(Self { line, channel, pace, form, unsaid: None })
     }
 
     /// What came of a step; whether anybody reads it must not keep the next step from being done.
     pub(super) fn say(&mut self, text: &str) {
         if !self.is_dry() {
-            self.unsaid =
-                self.unsaid.take().or(Outlet::Output.write(&format!("{text}\n"), None).err());
+            let line = match self.form {
+                Form::Text => format!("{text}\n"),
+                Form::Json => format!("{}\n", json!({ "done": text })),
+            };
+            self.unsaid = self.unsaid.take().or(Outlet::Output.write(&line, None).err());
         }
     }
 
@@ -115,7 +121,7 @@ impl Session {
         let Line::Live(bus) = &mut self.line else {
             let frames = (0..).map_while(|place| service.request(place));
             for request in frames {
-                show(&request.to_frame(), name(&service))?;
+                show(self.form, &request.to_frame(), name(&service))?;
             }
             return Ok(match service {
                 Service::InquireIdentity(_) => Reply::Number(0),
@@ -143,7 +149,7 @@ impl Session {
                 lss_sub: 0,
                 lss_next: 0,
             };
-            show(&begin.to_frame(), "fastscan; what follows depends on the answers")?;
+            show(self.form, &begin.to_frame(), "fastscan; what follows depends on the answers")?;
             return Ok(None);
         };
         let options = FastscanOptions { pace: self.pace, ..options };
@@ -162,7 +168,11 @@ impl Session {
     ) -> Result<Activated, Trouble> {
         let Line::Live(bus) = &mut self.line else {
             let command = Request::ActivateBitTiming { switch_delay_ms };
-            show(&command.to_frame(), "activate bit timing; silence for twice the delay")?;
+            show(
+                self.form,
+                &command.to_frame(),
+                "activate bit timing; silence for twice the delay",
+            )?;
             return Ok(Activated { reconfiguration: None, in_time: true });
         };
         Master::new(bus, self.pace).activate(switch_delay_ms, own).map_err(|e| self.trouble(e))
@@ -205,7 +215,19 @@ impl Session {
 }
 
 /// A frame as candump writes it, and what it is.
-fn show(frame: &Frame, what: &str) -> io::Result<()> {
+fn show(form: Form, frame: &Frame, what: &str) -> io::Result<()> {
     let bytes: String = frame.data().iter().map(|byte| format!("{byte:02X}")).collect();
-    Outlet::Output.write(&format!("{}#{bytes}  {what}\n", frame.id()), None)
+    let frame = format!("{}#{bytes}", frame.id());
+    let line = match form {
+        Form::Text => format!("{frame}  {what}\n"),
+        Form::Json => format!("{}\n", json!({ "frame": frame, "service": what })),
+    };
+    Outlet::Output.write(&line, None)
+}
+
+/// How it is said.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Form {
+    Text,
+    Json,
 }
