@@ -108,6 +108,9 @@ fn ended_by(name: &str, child: Child) -> Output {
 #[test]
 fn signals_close_the_adapter_of_a_bridge() {
     for (name, number) in [("INT", 2), ("TERM", 15)] {
+        if common::is_ignored(number) {
+            continue;
+        }
         let adapter = Adapter::start();
         let output = ended_by(name, adapter.bridge(&[]));
         assert_eq!(output.status.code(), Some(128 + number), "{}", stderr(&output));

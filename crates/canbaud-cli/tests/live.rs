@@ -1,6 +1,8 @@
 //! `canbaud detect` on a virtual slcan adapter: verdicts, events, signals, and the adapter's log.
 #![cfg(unix)]
 
+mod common;
+
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
@@ -159,6 +161,9 @@ fn a_sweep_finds_a_rate_that_is_in_no_list() {
 #[test]
 fn signals_in_mid_scan_close_the_channel() {
     for (name, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
+        if common::is_ignored(code - 128) {
+            continue;
+        }
         // Nobody talks: the scan goes on.
         let adapter = Adapter::start("50s", &[]);
         let mut command = adapter.detect(&["--json", "--timeout", "never"]);
@@ -175,6 +180,36 @@ fn signals_in_mid_scan_close_the_channel() {
         assert_eq!(status.code(), Some(code), "SIG{name}");
         assert_only_listened(&adapter.log());
     }
+}
+
+/// As `nohup` starts it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_that_it_was_started_to_ignore_is_ignored() {
+    let adapter = Adapter::start("50s", &[]);
+    let script = "trap '' HUP; exec \"$0\" detect \"$1\" --json --timeout never";
+    let mut child = Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_canbaud"), &adapter.source])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut events = BufReader::new(child.stdout.take().unwrap()).lines();
+    let mut listens = || {
+        let found = events.find(|line| line.as_ref().unwrap().contains("\"listening\""));
+        found.map(|line| line.unwrap())
+    };
+    listens().unwrap();
+    signal("HUP", &child);
+    // It goes on listening, at one rate after the other.
+    for _ in 0..3 {
+        assert!(listens().is_some());
+    }
+    signal("TERM", &child);
+    let rest = std::thread::spawn(move || events.count());
+    assert_eq!(child.wait().unwrap().code(), Some(143));
+    rest.join().unwrap();
+    assert_only_listened(&adapter.log());
 }
 
 fn signal(name: &str, process: &Child) {
@@ -196,7 +231,7 @@ fn a_signal_does_not_hide_that_the_adapter_was_not_put_back() {
     let rest = listens(&mut child);
     // It answers nothing any more.
     signal("STOP", &adapter.process);
-    signal("INT", &child);
+    signal("TERM", &child);
     let output = child.wait_with_output().unwrap();
     rest.join().unwrap();
     let errors = stderr(&output);

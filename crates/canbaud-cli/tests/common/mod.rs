@@ -152,3 +152,15 @@ pub(crate) fn code(child: &mut std::process::Child) -> Option<i32> {
     child.kill().unwrap();
     panic!("it does not end");
 }
+
+/// Whether these tests run where a signal is ignored (in the background of a shell, under `nohup`),
+/// which what they start takes over.
+pub(crate) fn is_ignored(number: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.map_or(0, |mask| u64::from_str_radix(mask.trim(), 16).unwrap());
+    if mask >> (number - 1) & 1 == 1 {
+        eprintln!("not run: signal {number} is ignored here");
+    }
+    mask >> (number - 1) & 1 == 1
+}
