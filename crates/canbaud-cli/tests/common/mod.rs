@@ -8,6 +8,9 @@ use std::process::{Command, Output};
 
 use canbaud::wire::{FdCrc, Frame, FrameKind, Id, Level, encode};
 
+#[cfg(unix)]
+pub(crate) mod adapter;
+
 #[path = "../../src/schema.rs"]
 pub(crate) mod schema;
 
