@@ -339,3 +339,24 @@ fn a_canable_is_refused_unless_it_is_trusted() {
     let output = adapter.detect(&["--trust-m1", "--rates", "250k"]).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
 }
+
+/// CAN FD frames come in, and no data bit rate was asked for.
+#[test]
+fn a_can_fd_bus_is_told_without_a_command_for_classic_nodes() {
+    let node =
+        |name: &str| format!("[[node]]\nname = '{name}'\nbitrate = '500k'\ndata_bitrate = '2M'\n");
+    let traffic = "[[traffic]]\nnode = 'a'\nkind = 'periodic'\nperiod = '6ms'\nid = 0x321\n\
+                   format = 'fd-brs'\ndlc = 9\npayload = 'counter'\n";
+    let nodes = ["a", "b", "adapter"].map(node).concat();
+    let bus = format!("title = 'CAN FD alone'\nduration = '10min'\n{nodes}{traffic}");
+    let adapter = common::adapter::Adapter::start_as(&bus, "adapter", &["--firmware", "canable2"]);
+    let output = common::canbaud(&["detect", &adapter.channel, "--rates", "500k"]);
+    let text = common::stdout(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}{}", common::stderr(&output));
+    assert!(
+        text.starts_with("500 kbit/s, CAN FD (data rate unknown) \u{2014} proven by "),
+        "{text}"
+    );
+    assert!(text.contains("--fd finds it") && !text.contains("ip link"), "{text}");
+    adapter.assert_closed();
+}

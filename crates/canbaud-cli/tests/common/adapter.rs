@@ -24,11 +24,17 @@ pub(crate) struct Adapter {
 impl Adapter {
     /// Offers `node` of the scenario.
     pub(crate) fn start(scenario: &str, node: &str) -> Self {
+        Self::start_as(scenario, node, &[])
+    }
+
+    /// With more options.
+    pub(crate) fn start_as(scenario: &str, node: &str, options: &[&str]) -> Self {
         let directory = tempfile::tempdir().unwrap();
         let log = directory.path().join("adapter.log");
         std::fs::write(directory.path().join("bus.toml"), scenario).unwrap();
         let mut process = command(&["simulate", "bus.toml", "-q", "--slcan", node])
             .args(["--log", "adapter.log"])
+            .args(options)
             .current_dir(&directory)
             .stdout(Stdio::piped())
             .spawn()

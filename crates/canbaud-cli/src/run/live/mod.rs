@@ -180,3 +180,32 @@ fn fail(args: &DetectArgs, source: &LiveSource, error: &LinkError) -> Exit {
     }
     link_error(error)
 }
+
+#[cfg(test)]
+mod tests {
+    use canbaud::detect::scan::FdSeen;
+    use clap::Parser;
+
+    use super::*;
+    use crate::args::{Cli, Command};
+    use crate::report::{Caveat, samples};
+
+    /// A classic node would destroy every CAN FD frame, one at a rough rate any frame.
+    #[test]
+    fn nothing_takes_part_that_would_destroy_frames() {
+        let line = ["canbaud", "detect", "can0", "--apply", "--normal"];
+        let Command::Detect(args) = Cli::try_parse_from(line).unwrap().command else { panic!() };
+        let mut report = samples::live();
+        assert_eq!(after(&args, &report), After::Normal);
+        for fd in [FdSeen::Switched, FdSeen::NeverSwitched, FdSeen::Suspected] {
+            let rate = report.found.as_mut().unwrap();
+            (rate.fd, rate.data) = (fd, None);
+            assert_eq!(after(&args, &report), After::Listening, "{fd:?}");
+        }
+        let rate = report.found.as_mut().unwrap();
+        (rate.fd, rate.data) = (FdSeen::Switched, Some(2_000_000));
+        assert_eq!(after(&args, &report), After::Normal);
+        report.caveats.push(Caveat { code: "roughly", text: String::new() });
+        assert_eq!(after(&args, &report), After::Listening);
+    }
+}
